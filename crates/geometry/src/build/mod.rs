@@ -1,0 +1,3 @@
+//! Builders of shapes with data.
+pub mod hull;
+pub mod mesh;
