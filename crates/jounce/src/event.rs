@@ -1,0 +1,74 @@
+//! What happened in a step, in an order that is part of the hash.
+
+use crate::{BodyId, ShapeId};
+use jounce_math::{DVec3, Vec3};
+
+/// Something that happened during the last step (or over all steps of the last [`crate::World::advance`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Event {
+    /// Two shapes began to touch.
+    ContactBegin {
+        /// First shape (the older handle).
+        a: ShapeId,
+        /// Second shape.
+        b: ShapeId,
+    },
+    /// Two shapes no longer touch, or one of them was removed or disabled.
+    ContactEnd {
+        /// First shape (may be stale by now).
+        a: ShapeId,
+        /// Second shape (may be stale by now).
+        b: ShapeId,
+    },
+    /// Two shapes met faster than `Settings::hit_event_speed`.
+    ContactHit {
+        /// First shape.
+        a: ShapeId,
+        /// Second shape.
+        b: ShapeId,
+        /// Where, in the world.
+        point: DVec3,
+        /// Unit normal from a to b.
+        normal: Vec3,
+        /// Approach speed along the normal, m/s.
+        speed: f32,
+        /// Normal impulse of the contact over the step, N s.
+        impulse: f32,
+    },
+    /// A shape entered a sensor.
+    SensorEnter {
+        /// The sensor.
+        sensor: ShapeId,
+        /// The visitor.
+        visitor: ShapeId,
+    },
+    /// A shape left a sensor (or one of the two was removed or disabled).
+    SensorLeave {
+        /// The sensor.
+        sensor: ShapeId,
+        /// The visitor.
+        visitor: ShapeId,
+    },
+    /// A body fell asleep.
+    Sleep {
+        /// The body.
+        body: BodyId,
+    },
+    /// A body woke up.
+    Wake {
+        /// The body.
+        body: BodyId,
+    },
+    /// A body's state was no longer finite, or left the world's bounds; it was put back to its last good pose
+    /// and disabled. Everything else goes on.
+    Quarantine {
+        /// The body.
+        body: BodyId,
+    },
+    /// A bound of [`crate::limits`] was reached inside the step; the step went on without the excess.
+    LimitReached {
+        /// What was bounded.
+        what: &'static str,
+    },
+}

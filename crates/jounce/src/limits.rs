@@ -1,0 +1,37 @@
+//! Every capacity and iteration bound of the engine. Reaching one is an error at the door, or degrades,
+//! reports and continues inside a step.
+
+/// Most bodies in a world.
+pub const BODIES_MAX: usize = 1 << 22;
+/// Most shapes in a world.
+pub const SHAPES_MAX: usize = 1 << 23;
+/// Most shapes on one body.
+pub const SHAPES_PER_BODY_MAX: usize = 1 << 16;
+/// Most shape pairs whose bounds overlap.
+pub const CONTACTS_MAX: usize = 1 << 24;
+/// Farthest coordinate, metres; a body beyond it is quarantined.
+pub const POSITION_MAX: f64 = 1e9;
+/// Fastest speed accepted at the door, m/s (steps clamp to `Settings::linear_speed_max`).
+pub const SPEED_MAX: f32 = 1e5;
+/// Fastest spin accepted at the door, rad/s.
+pub const SPIN_MAX: f32 = 1e5;
+/// Largest mass, kg.
+pub const MASS_MAX: f32 = 1e15;
+/// Smallest mass of a dynamic body, kg.
+pub const MASS_MIN: f32 = 1e-12;
+/// Largest force (N), torque (N m) or impulse component.
+pub const FORCE_MAX: f32 = 1e25;
+/// Most substeps of a step.
+pub const SUBSTEPS_MAX: u32 = 64;
+/// Most steps of one [`crate::World::advance`].
+pub const ADVANCE_STEPS_MAX: u32 = 8;
+/// Most rounds of pairwise impacts before substep 1.
+pub const IMPACT_ROUNDS_MAX: usize = 256;
+/// Most commands in the queue.
+pub const COMMAND_QUEUE_MAX: usize = 1 << 20;
+/// Most manifolds of one contact.
+pub const MANIFOLDS_PER_CONTACT_MAX: usize = jounce_geometry::limits::MANIFOLDS_PER_PAIR_MAX;
+/// Longest name, bytes.
+pub const NAME_MAX: usize = 256;
+/// Most results of one all-hits query.
+pub const QUERY_HITS_MAX: usize = 1 << 20;

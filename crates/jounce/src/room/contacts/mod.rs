@@ -1,0 +1,2 @@
+//! Contacts.
+pub mod desc;

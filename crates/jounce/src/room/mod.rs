@@ -1,0 +1,4 @@
+//! One room per kind of matter or law. Rooms never call rooms: they meet in [`crate::stage`].
+
+pub mod contacts;
+pub mod rigid;

@@ -1,0 +1,2 @@
+//! Rigid bodies.
+pub mod desc;
