@@ -1,0 +1,185 @@
+//! Columns of shapes and contacts.
+
+use super::desc::{Filter, MassSpec, Material};
+use crate::room::rigid::state::NONE;
+use jounce_geometry::{Aabb, PairCache, Shape};
+use jounce_math::{Pose, Vec3};
+
+/// Which tree a shape's bounds are in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// Disabled, or its body is.
+    Nowhere,
+    /// Bounds of fixed bodies.
+    FixedTree(u32),
+    /// Bounds of kinematic and dynamic bodies, awake or asleep.
+    MovingTree(u32),
+    /// Half-spaces: no bounds.
+    Unbounded,
+}
+
+/// A shape on a body.
+#[derive(Clone, Debug)]
+pub(crate) struct ShapeRecord {
+    pub body: u32,
+    pub shape: Shape,
+    /// In the body's frame.
+    pub pose: Pose,
+    pub mass: MassSpec,
+    pub material: Material,
+    pub triangle_materials: Vec<Material>,
+    pub filter: Filter,
+    pub sensor: bool,
+    pub enabled: bool,
+    pub contact_events: bool,
+    pub hit_events: bool,
+    pub user_data: u128,
+    pub place: Place,
+    /// Fat bounds in the tree.
+    pub fat: Aabb,
+    /// In the move buffer.
+    pub moved: bool,
+    /// Smallest thickness, metres: sets the slop.
+    pub thickness: f32,
+    /// Sensors: visitor shape slots with generation, sorted.
+    pub visitors: Vec<(u32, u32)>,
+}
+
+/// A contact point with its impulses.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Point {
+    /// On A's surface, in shape A's frame.
+    pub on_a: Vec3,
+    /// On B's surface, in shape B's frame.
+    pub on_b: Vec3,
+    /// Gap at the start of the step, metres.
+    pub separation: f32,
+    pub feature: u32,
+    /// Normal impulse of the last substep, N s.
+    pub impulse: f32,
+    /// Sum over the substeps of the last step, N s.
+    pub total_impulse: f32,
+}
+
+/// Up to four points with one normal, and what friction remembers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ContactManifold {
+    /// Unit, A to B, in shape A's frame.
+    pub normal: Vec3,
+    pub points: [Point; 4],
+    pub count: u8,
+    pub faces: u8,
+    pub sub_a: u32,
+    pub sub_b: u32,
+    /// Holds up to μ_s N; sliding otherwise, at μ_k N.
+    pub stick: bool,
+    /// The manifold was made this step.
+    pub fresh: bool,
+    /// Friction impulse of the last substep, world frame, N s.
+    pub friction: Vec3,
+    /// Sum over the substeps of the last step, world frame, N s.
+    pub total_friction: Vec3,
+    pub twist: f32,
+    pub rolling: Vec3,
+    /// Slip velocity of B against A at the end of the last step, world frame, m/s.
+    pub slip: Vec3,
+    /// Where its solver row is: colour and row.
+    pub row: (u8, u32),
+    /// Surface coefficients of this manifold (triangles differ).
+    pub surface: Surface,
+}
+
+impl Default for ContactManifold {
+    fn default() -> Self {
+        Self {
+            normal: Vec3::ZERO,
+            points: [Point::default(); 4],
+            count: 0,
+            faces: 0,
+            sub_a: NONE,
+            sub_b: NONE,
+            stick: true,
+            fresh: true,
+            friction: Vec3::ZERO,
+            total_friction: Vec3::ZERO,
+            twist: 0.0,
+            rolling: Vec3::ZERO,
+            slip: Vec3::ZERO,
+            row: (0, NONE),
+            surface: Surface::default(),
+        }
+    }
+}
+
+/// Two materials combined.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Surface {
+    /// μ_s.
+    pub static_friction: f32,
+    /// μ_k.
+    pub kinetic_friction: f32,
+    /// e.
+    pub restitution: f32,
+    /// Length, metres.
+    pub rolling_friction: f32,
+    /// Length, metres.
+    pub twist_friction: f32,
+    /// Wanted velocity of B's surface against A's, world frame, m/s.
+    pub velocity: Vec3,
+}
+
+/// A pair of shapes whose bounds overlap.
+#[derive(Clone, Debug)]
+pub(crate) struct Contact {
+    pub id: u32,
+    pub shape_a: u32,
+    pub shape_b: u32,
+    pub body_a: u32,
+    pub body_b: u32,
+    /// Positions in the two bodies' contact lists (NONE for a fixed body).
+    pub edge: [u32; 2],
+    pub touching: bool,
+    /// Result of the last narrow phase, committed serially.
+    pub now_touching: bool,
+    pub apart: bool,
+    pub fixed: bool,
+    pub cache: PairCache,
+    /// Pose of B in A at the last full test; valid while `tested`.
+    pub tested_pose: Pose,
+    pub tested: bool,
+    /// The first manifold; more in `rest`, for meshes and compounds.
+    pub manifold: ContactManifold,
+    pub rest: Vec<ContactManifold>,
+    /// min(slop, 5 % of the thinner shape).
+    pub slop: f32,
+    /// Largest distance from B's origin that matters for turning.
+    pub extent_b: f32,
+    pub recycle_tolerance: f32,
+    /// Approach speed at which the two met, for hit events, m/s.
+    pub hit_speed: f32,
+}
+
+impl Contact {
+    pub fn manifold_count(&self) -> usize {
+        if self.manifold.count == 0 { 0 } else { 1 + self.rest.len() }
+    }
+    pub fn manifolds(&self) -> impl Iterator<Item = &ContactManifold> {
+        let n = self.manifold_count();
+        core::iter::once(&self.manifold).take(n).chain(self.rest.iter())
+    }
+    pub fn manifolds_mut(&mut self) -> impl Iterator<Item = &mut ContactManifold> {
+        let n = self.manifold_count();
+        core::iter::once(&mut self.manifold).take(n).chain(self.rest.iter_mut())
+    }
+    pub fn get(&self, i: usize) -> &ContactManifold {
+        if i == 0 { &self.manifold } else { &self.rest[i - 1] }
+    }
+}
+
+/// Where a contact's row is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ContactPlace {
+    Free,
+    Awake(u32),
+    Asleep(u32),
+}

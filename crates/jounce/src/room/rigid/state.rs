@@ -1,0 +1,219 @@
+//! Columns of the rigid bodies.
+//!
+//! * [`Body`]: one per slot, cold: what the user described, and what a sleeping body needs to wake.
+//! * [`BodyFrame`]: one per slot: where the body is; read by collision and queries for every body.
+//! * [`BodyState`]: one per *awake* moving body, hot, 64 bytes: what the solver touches for every contact.
+//! * [`BodyStep`]: one per awake body: read once per substep by the integrator.
+
+use super::desc::{AxisLocks, BodyKind};
+use jounce_geometry::MassProperties;
+use jounce_math::{DVec3, Mat3, Pose, Quat, Vec3, WorldPose};
+
+/// "No row", "no island".
+pub(crate) const NONE: u32 = u32::MAX;
+
+/// Cold data of a body.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub kind: BodyKind,
+    pub enabled: bool,
+    pub bullet: bool,
+    pub fast_rotation: bool,
+    pub can_sleep: bool,
+    pub locks: AxisLocks,
+    pub linear_damping: f32,
+    pub angular_damping: f32,
+    pub gravity_scale: f32,
+    pub sleep_speed: Option<f32>,
+    pub user_data: u128,
+    pub name: Option<String>,
+    pub mass_override: Option<MassProperties>,
+    /// Shape slots, in order of attachment.
+    pub shapes: Vec<u32>,
+    /// Contact ids; kept for moving bodies only (a floor may have tens of thousands).
+    pub contacts: Vec<u32>,
+    /// Row in the awake columns, or NONE.
+    pub row: u32,
+    /// Sleeping island, or NONE.
+    pub island: u32,
+    /// Velocity while there is no row.
+    pub velocity: Vec3,
+    pub angular_velocity: Vec3,
+    pub mass: Mass,
+}
+
+/// Mass properties in the forms the solver wants. All zero inverse for fixed and kinematic bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Mass {
+    pub mass: f32,
+    pub inv_mass: f32,
+    /// Inverse inertia about the centre of mass, body axes.
+    pub inv_inertia: Mat3,
+    /// Inertia likewise.
+    pub inertia: Mat3,
+    /// Principal moments (f64: the torque-free turn needs them exact) and the principal frame in body axes.
+    pub moments: DVec3,
+    pub principal: Quat,
+    /// All moments equal within 1e-5: no gyroscopic torque.
+    pub isotropic: bool,
+    /// Distance from the centre of mass to the nearest surface of the smallest shape, metres.
+    pub inner_radius: f32,
+    /// Distance from the centre of mass to the farthest point, metres.
+    pub outer_radius: f32,
+}
+
+/// Where a body is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct BodyFrame {
+    /// Centre of mass in the world.
+    pub center: DVec3,
+    pub rotation: Quat,
+    /// Centre of mass in the body's frame.
+    pub local_center: Vec3,
+    /// The same at the start of the last step, for interpolation and continuous collision.
+    pub center0: DVec3,
+    pub rotation0: Quat,
+}
+
+impl BodyFrame {
+    pub fn pose(&self) -> WorldPose {
+        WorldPose::new(self.center - self.rotation.rotate(self.local_center).as_dvec3(), self.rotation)
+    }
+    pub fn pose0(&self) -> WorldPose {
+        WorldPose::new(self.center0 - self.rotation0.rotate(self.local_center).as_dvec3(), self.rotation0)
+    }
+    /// A shape's frame in the world.
+    pub fn shape_pose(&self, local: &Pose) -> WorldPose {
+        let p = self.rotation.rotate(local.p - self.local_center);
+        WorldPose::new(self.center + p.as_dvec3(), self.rotation * local.q)
+    }
+    pub fn place(&mut self, origin: DVec3, rotation: Quat) {
+        self.center = origin + rotation.rotate(self.local_center).as_dvec3();
+        self.rotation = rotation;
+        self.reset_interpolation();
+    }
+    pub fn reset_interpolation(&mut self) {
+        (self.center0, self.rotation0) = (self.center, self.rotation);
+    }
+}
+
+/// The hot line: velocities, and the motion since the start of the step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub(crate) struct BodyState {
+    /// Velocity of the centre of mass.
+    pub v: Vec3,
+    /// Angular velocity, world axes.
+    pub w: Vec3,
+    /// Displacement since the start of the step.
+    pub dp: Vec3,
+    /// Rotation vector since the start of the step, ∑ ω h.
+    pub dr: Vec3,
+    /// Rotation since the start of the step (world axes).
+    pub dq: Quat,
+}
+
+impl BodyState {
+    pub const FIXED: Self =
+        Self { v: Vec3::ZERO, w: Vec3::ZERO, dp: Vec3::ZERO, dr: Vec3::ZERO, dq: Quat::IDENTITY };
+}
+
+/// What the integrator reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct BodyStep {
+    /// Force accumulator, N, cleared by every step.
+    pub force: Vec3,
+    /// Torque accumulator, N m.
+    pub torque: Vec3,
+    /// Acceleration of the step without contacts: gravity and forces, m/s².
+    pub acceleration: Vec3,
+    pub inv_mass: f32,
+    pub linear_damping: f32,
+    pub angular_damping: f32,
+    pub gravity_scale: f32,
+    pub kind: BodyKind,
+    /// Bits 0–2: linear locks; 3–5: angular locks.
+    pub locks: u8,
+    pub isotropic: bool,
+    pub fast_rotation: bool,
+    /// Body slot.
+    pub body: u32,
+    /// Seconds at rest.
+    pub sleep_timer: f32,
+    pub sleep_speed: f32,
+    /// Kinematic target for the next step.
+    pub target: Option<WorldPose>,
+    /// Angular momentum of torque-free motion with the ω it belongs to: reused while nothing touched ω, so
+    /// that rounding to f32 does not leak momentum.
+    pub momentum: Option<(DVec3, Vec3)>,
+}
+
+/// World inverse inertia, frozen for contacts within a step: xx, yy, zz, xy, xz, yz.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(32))]
+pub(crate) struct InvInertia {
+    pub xx: f32,
+    pub yy: f32,
+    pub zz: f32,
+    pub xy: f32,
+    pub xz: f32,
+    pub yz: f32,
+    /// Inverse mass rides along: whoever loads the tensor wants it too.
+    pub inv_mass: f32,
+    pub pad: f32,
+}
+
+impl InvInertia {
+    #[inline(always)]
+    pub fn mul(&self, v: Vec3) -> Vec3 {
+        Vec3::new(
+            self.xx * v.x + self.xy * v.y + self.xz * v.z,
+            self.xy * v.x + self.yy * v.y + self.yz * v.z,
+            self.xz * v.x + self.yz * v.y + self.zz * v.z,
+        )
+    }
+    /// R I⁻¹ Rᵀ with locked axes made immovable.
+    pub fn new(rotation: Quat, inv_inertia: &Mat3, inv_mass: f32, locks: u8) -> Self {
+        let r = rotation.to_mat3();
+        let m = r * *inv_inertia * r.transpose();
+        let mut t = Self {
+            xx: m.cx.x,
+            yy: m.cy.y,
+            zz: m.cz.z,
+            xy: 0.5 * (m.cx.y + m.cy.x),
+            xz: 0.5 * (m.cx.z + m.cz.x),
+            yz: 0.5 * (m.cy.z + m.cz.y),
+            inv_mass,
+            pad: 0.0,
+        };
+        if locks & 8 != 0 {
+            (t.xx, t.xy, t.xz) = (0.0, 0.0, 0.0);
+        }
+        if locks & 16 != 0 {
+            (t.yy, t.xy, t.yz) = (0.0, 0.0, 0.0);
+        }
+        if locks & 32 != 0 {
+            (t.zz, t.xz, t.yz) = (0.0, 0.0, 0.0);
+        }
+        t
+    }
+    pub fn to_mat3(self) -> Mat3 {
+        Mat3::from_columns(
+            Vec3::new(self.xx, self.xy, self.xz),
+            Vec3::new(self.xy, self.yy, self.yz),
+            Vec3::new(self.xz, self.yz, self.zz),
+        )
+    }
+}
+
+/// The awake moving bodies: dense columns of equal length.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Awake {
+    pub state: Vec<BodyState>,
+    pub step: Vec<BodyStep>,
+    pub inertia: Vec<InvInertia>,
+}
+
+pub(crate) fn lock_bits(l: &AxisLocks) -> u8 {
+    (0..3).fold(0, |b, i| b | (u8::from(l.linear[i]) << i) | (u8::from(l.angular[i]) << (i + 3)))
+}

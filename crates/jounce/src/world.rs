@@ -1,0 +1,382 @@
+//! The world: owns every table. No physics here; see [`crate::stage`].
+
+use crate::command::{Command, Output};
+use crate::error::{Error, Result};
+use crate::event::Event;
+use crate::handle::{BodyId, ShapeId};
+use crate::hooks::Hooks;
+use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
+use crate::room::rigid::state::{Awake, Body, BodyFrame, NONE};
+use crate::settings::{Settings, WorldDesc};
+use crate::stage::Scratch;
+use crate::table::{PairMap, Table};
+use jounce_geometry::Bvh;
+use jounce_math::{DVec3, Quat, Vec3};
+use jounce_tasks::Tasks;
+
+/// A world of bodies, and everything that happens to them.
+///
+/// `Send + Sync + Clone`: a clone is an independent world with the same future.
+#[derive(Clone, Debug)]
+pub struct World {
+    pub(crate) gravity: Vec3,
+    pub(crate) rate_hz: f64,
+    pub(crate) substeps: u32,
+    pub(crate) settings: Settings,
+    pub(crate) step_count: u64,
+    /// Time not yet stepped by `advance`; not part of the state.
+    pub(crate) accumulator: f64,
+
+    pub(crate) bodies: Table<Body>,
+    /// By body slot.
+    pub(crate) frames: Vec<BodyFrame>,
+    pub(crate) awake: Awake,
+    pub(crate) islands: Table<Vec<u32>>,
+
+    pub(crate) shapes: Table<ShapeRecord>,
+    pub(crate) sensors: Vec<u32>,
+    pub(crate) fixed_tree: Bvh,
+    pub(crate) moving_tree: Bvh,
+    pub(crate) unbounded: Vec<u32>,
+    /// Shapes whose bounds changed since the last pair search.
+    pub(crate) moved: Vec<u32>,
+
+    pub(crate) pairs: PairMap,
+    pub(crate) places: Vec<ContactPlace>,
+    pub(crate) free_contacts: Vec<u32>,
+    /// Contacts with an awake body, dense.
+    pub(crate) contacts: Vec<Contact>,
+    pub(crate) asleep_contacts: Vec<Contact>,
+
+    pub(crate) events: Vec<Event>,
+    pub(crate) queue: Vec<Command>,
+    pub(crate) hooks: Hooks,
+    pub(crate) tasks: Tasks,
+    pub(crate) scratch: Scratch,
+}
+
+/// Kinetic and potential energy, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energy {
+    /// ½ m v² + ½ ω·Iω over the dynamic bodies.
+    pub kinetic: f64,
+    /// −m g·c over the dynamic bodies, c from the world's origin.
+    pub potential: f64,
+}
+
+impl Energy {
+    /// Their sum.
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+/// Linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Momentum {
+    /// Σ m v.
+    pub linear: DVec3,
+    /// Σ c × m v + I ω.
+    pub angular: DVec3,
+}
+
+/// How much of everything there is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Bodies of all kinds.
+    pub bodies: usize,
+    /// Awake kinematic and dynamic bodies.
+    pub awake: usize,
+    /// Shapes.
+    pub shapes: usize,
+    /// Pairs of shapes whose bounds overlap.
+    pub contacts: usize,
+    /// Pairs that touch (or are within the speculative margin).
+    pub touching: usize,
+    /// Sleeping islands.
+    pub islands_asleep: usize,
+    /// Colours in use in the last step.
+    pub colors: usize,
+    /// Solver rows that found no colour in the last step.
+    pub overflow: usize,
+}
+
+/// What [`World::advance`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Advance {
+    /// Steps made.
+    pub steps: u32,
+    /// How far the frame is between the last two steps, 0…1: for [`crate::BodyRef::interpolated_pose`].
+    pub alpha: f64,
+    /// Time given up because more than the allowed steps were due, seconds.
+    pub dropped_s: f64,
+}
+
+impl World {
+    /// An empty world.
+    ///
+    /// # Errors
+    /// A number out of range, named.
+    pub fn new(desc: WorldDesc) -> Result<Self> {
+        desc.check()?;
+        Ok(Self {
+            gravity: desc.gravity,
+            rate_hz: desc.rate_hz,
+            substeps: desc.substeps,
+            settings: desc.settings,
+            step_count: 0,
+            accumulator: 0.0,
+            bodies: Table::default(),
+            frames: Vec::new(),
+            awake: Awake::default(),
+            islands: Table::default(),
+            shapes: Table::default(),
+            sensors: Vec::new(),
+            fixed_tree: Bvh::new(),
+            moving_tree: Bvh::new(),
+            unbounded: Vec::new(),
+            moved: Vec::new(),
+            pairs: PairMap::default(),
+            places: Vec::new(),
+            free_contacts: Vec::new(),
+            contacts: Vec::new(),
+            asleep_contacts: Vec::new(),
+            events: Vec::new(),
+            queue: Vec::new(),
+            hooks: Hooks::default(),
+            tasks: Tasks::serial(),
+            scratch: Scratch::default(),
+        })
+    }
+
+    /// Which threads the steps run on. Changes no simulated bit.
+    pub fn set_tasks(&mut self, tasks: Tasks) {
+        self.tasks = tasks;
+    }
+    /// The scheduler in use.
+    pub fn tasks(&self) -> &Tasks {
+        &self.tasks
+    }
+    /// Acts at the start of the next step, in the order of the calls. A command that fails then is dropped;
+    /// use [`World::apply`] to learn why.
+    ///
+    /// # Errors
+    /// The queue is full.
+    pub fn queue(&mut self, command: Command) -> Result<()> {
+        if self.queue.len() >= crate::limits::COMMAND_QUEUE_MAX {
+            return Err(Error::Limit { what: "commands in the queue", limit: crate::limits::COMMAND_QUEUE_MAX });
+        }
+        self.queue.push(command);
+        Ok(())
+    }
+    /// What happened in the last step, or over all steps of the last [`World::advance`].
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+    /// Simulated time, seconds.
+    pub fn time(&self) -> f64 {
+        self.step_count as f64 / self.rate_hz
+    }
+    /// Steps made.
+    pub fn step_count(&self) -> u64 {
+        self.step_count
+    }
+    /// Length of a step, seconds.
+    pub fn dt(&self) -> f64 {
+        1.0 / self.rate_hz
+    }
+    /// Substeps of a step.
+    pub fn substeps(&self) -> u32 {
+        self.substeps
+    }
+    /// Uniform gravity, m/s².
+    pub fn gravity(&self) -> Vec3 {
+        self.gravity
+    }
+    /// Constants of the solver.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+    /// All bodies, in slot order.
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.bodies.iter().map(|(i, _)| self.body_id(i))
+    }
+    /// All shapes, in slot order.
+    pub fn shapes(&self) -> impl Iterator<Item = ShapeId> + '_ {
+        self.shapes.iter().map(|(i, _)| self.shape_id(i))
+    }
+    /// How much of everything there is.
+    pub fn counts(&self) -> Counts {
+        let touching = |c: &[Contact]| c.iter().filter(|c| c.touching).count();
+        Counts {
+            bodies: self.bodies.len(),
+            awake: self.awake.state.len(),
+            shapes: self.shapes.len(),
+            contacts: self.contacts.len() + self.asleep_contacts.len(),
+            touching: touching(&self.contacts) + touching(&self.asleep_contacts),
+            islands_asleep: self.islands.len(),
+            colors: self.scratch.colors_used(),
+            overflow: self.scratch.overflow_rows(),
+        }
+    }
+    /// Energy of the dynamic bodies.
+    pub fn energy(&self) -> Energy {
+        let mut e = Energy::default();
+        for (i, b) in self.bodies.iter().filter(|(_, b)| b.enabled && b.mass.inv_mass > 0.0) {
+            let f = &self.frames[i as usize];
+            let (v, w) = self.velocities(b);
+            let m = f64::from(b.mass.mass);
+            let local = f.rotation.as_dquat().normalize().inverse_rotate(w.as_dvec3());
+            e.kinetic += 0.5 * m * v.as_dvec3().length_squared() + 0.5 * local.dot(b.mass.inertia.as_dmat3() * local);
+            e.potential -= m * f64::from(b.gravity_scale) * self.gravity.as_dvec3().dot(f.center);
+        }
+        e
+    }
+    /// Momentum of the dynamic bodies.
+    pub fn momentum(&self) -> Momentum {
+        let mut p = Momentum::default();
+        for (i, b) in self.bodies.iter().filter(|(_, b)| b.enabled && b.mass.inv_mass > 0.0) {
+            let f = &self.frames[i as usize];
+            let (v, w) = self.velocities(b);
+            let mv = v.as_dvec3() * f64::from(b.mass.mass);
+            let q = f.rotation.as_dquat().normalize();
+            let spin = q.rotate(b.mass.inertia.as_dmat3() * q.inverse_rotate(w.as_dvec3()));
+            p.linear += mv;
+            p.angular += f.center.cross(mv) + spin;
+        }
+        p
+    }
+
+    pub(crate) fn body_id(&self, index: u32) -> BodyId {
+        BodyId { index, generation: self.bodies.generation(index) }
+    }
+    pub(crate) fn shape_id(&self, index: u32) -> ShapeId {
+        ShapeId { index, generation: self.shapes.generation(index) }
+    }
+    /// Slot of a live handle.
+    pub(crate) fn slot(&self, id: BodyId) -> Result<u32> {
+        if self.bodies.is_live(id.index, id.generation) {
+            return Ok(id.index);
+        }
+        Err(Error::Stale { what: "body", index: id.index, generation: id.generation })
+    }
+    pub(crate) fn shape_slot(&self, id: ShapeId) -> Result<u32> {
+        if self.shapes.is_live(id.index, id.generation) {
+            return Ok(id.index);
+        }
+        Err(Error::Stale { what: "shape", index: id.index, generation: id.generation })
+    }
+    pub(crate) fn velocities(&self, b: &Body) -> (Vec3, Vec3) {
+        if b.row == NONE {
+            return (b.velocity, b.angular_velocity);
+        }
+        let s = &self.awake.state[b.row as usize];
+        (s.v, s.w)
+    }
+}
+
+/// Thin sugar over [`World::apply`].
+impl World {
+    /// Adds a body with its shapes.
+    ///
+    /// # Errors
+    /// A description out of range, named; nothing is added then.
+    pub fn add_body(&mut self, desc: BodyDesc) -> Result<BodyId> {
+        match self.apply(Command::AddBody(Box::new(desc)))? {
+            Output::Body(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_body", advice: "expected a body" }),
+        }
+    }
+    /// Adds a shape to a body.
+    ///
+    /// # Errors
+    /// A stale handle or a description out of range.
+    pub fn add_shape(&mut self, body: BodyId, desc: ShapeDesc) -> Result<ShapeId> {
+        match self.apply(Command::AddShape(body, Box::new(desc)))? {
+            Output::Shape(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_shape", advice: "expected a shape" }),
+        }
+    }
+}
+
+use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
+use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
+use jounce_geometry::{MassProperties, Shape};
+
+macro_rules! sugar {
+    ($($(#[$doc:meta])* $name:ident($($arg:ident: $t:ty),*) => $command:expr;)*) => {
+        impl World {
+            $(
+                $(#[$doc])*
+                ///
+                /// # Errors
+                /// A stale handle, or a value out of range, named; nothing is changed then.
+                pub fn $name(&mut self, $($arg: $t),*) -> Result<()> {
+                    self.apply($command).map(|_| ())
+                }
+            )*
+        }
+    };
+}
+
+sugar! {
+    /// Removes a body with its shapes and contacts.
+    remove_body(body: BodyId) => Command::RemoveBody(body);
+    /// Removes a shape.
+    remove_shape(shape: ShapeId) => Command::RemoveShape(shape);
+    /// Puts a body somewhere at once (no interpolation in between).
+    teleport(body: BodyId, position: DVec3, rotation: Quat) => Command::Teleport(body, position, rotation);
+    /// Kinematic bodies: moves to a pose within the next step, pushing what is in the way.
+    move_to(body: BodyId, position: DVec3, rotation: Quat) => Command::MoveTo(body, position, rotation);
+    /// Sets the velocity of the centre of mass, m/s.
+    set_velocity(body: BodyId, velocity: Vec3) => Command::SetVelocity(body, velocity);
+    /// Sets the angular velocity, rad/s, world axes.
+    set_angular_velocity(body: BodyId, w: Vec3) => Command::SetAngularVelocity(body, w);
+    /// Adds a force, N, for the next step only: accumulators are cleared by every step. At a world point, or
+    /// (`None`) through the centre of mass.
+    add_force(body: BodyId, force: Vec3, at: Option<DVec3>) => Command::AddForce(body, force, at);
+    /// Adds a torque, N m, for the next step only.
+    add_torque(body: BodyId, torque: Vec3) => Command::AddTorque(body, torque);
+    /// Changes the momentum at once, N s; at a world point, or (`None`) through the centre of mass.
+    add_impulse(body: BodyId, impulse: Vec3, at: Option<DVec3>) => Command::AddImpulse(body, impulse, at);
+    /// Changes the angular momentum at once, N m s.
+    add_angular_impulse(body: BodyId, impulse: Vec3) => Command::AddAngularImpulse(body, impulse);
+    /// Changes how a body moves.
+    set_kind(body: BodyId, kind: BodyKind) => Command::SetKind(body, kind);
+    /// Takes a body out of the simulation, or back in.
+    set_body_enabled(body: BodyId, enabled: bool) => Command::SetBodyEnabled(body, enabled);
+    /// Sets linear and angular damping, 1/s.
+    set_damping(body: BodyId, linear: f32, angular: f32) => Command::SetDamping(body, linear, angular);
+    /// Sets the factor on gravity.
+    set_gravity_scale(body: BodyId, scale: f32) => Command::SetGravityScale(body, scale);
+    /// Sets locked axes.
+    set_locks(body: BodyId, locks: AxisLocks) => Command::SetLocks(body, locks);
+    /// Overrides the mass, or (`None`) goes back to the sum over the shapes.
+    set_mass(body: BodyId, mass: Option<MassProperties>) => Command::SetMass(body, mass);
+    /// Continuous collision against moving bodies too.
+    set_bullet(body: BodyId, bullet: bool) => Command::SetBullet(body, bullet);
+    /// May the body sleep?
+    set_can_sleep(body: BodyId, can_sleep: bool) => Command::SetCanSleep(body, can_sleep);
+    /// Sets the caller's number.
+    set_user_data(body: BodyId, user_data: u128) => Command::SetUserData(body, user_data);
+    /// Sets the name.
+    set_name(body: BodyId, name: Option<String>) => Command::SetName(body, name);
+    /// Wakes a body and what sleeps with it.
+    wake(body: BodyId) => Command::Wake(body);
+    /// Puts a body, and all that rests with it, to sleep.
+    sleep(body: BodyId) => Command::Sleep(body);
+    /// Swaps the geometry of a shape.
+    set_shape(shape: ShapeId, geometry: Shape) => Command::SetShape(shape, Box::new(geometry));
+    /// Moves a shape on its body.
+    set_shape_pose(shape: ShapeId, pose: jounce_math::Pose) => Command::SetShapePose(shape, pose);
+    /// Takes a shape out of the simulation, or back in.
+    set_shape_enabled(shape: ShapeId, enabled: bool) => Command::SetShapeEnabled(shape, enabled);
+    /// Sets a shape's surface.
+    set_material(shape: ShapeId, material: Material) => Command::SetMaterial(shape, material);
+    /// Sets whom a shape meets.
+    set_filter(shape: ShapeId, filter: Filter) => Command::SetFilter(shape, filter);
+    /// Sets the world's gravity, m/s².
+    set_gravity(gravity: Vec3) => Command::SetGravity(gravity);
+    /// Sets the solver's constants.
+    set_settings(settings: Settings) => Command::SetSettings(Box::new(settings));
+}
