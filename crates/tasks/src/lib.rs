@@ -1,1 +1,142 @@
-//! Placeholder.
+//! Who does the work: the stage scheduler of Jounce, and the two ways a stage may write in parallel.
+//!
+//! A *stage* is a number of *units* of work whose layout is fixed by the caller: it depends on the data and on a
+//! chunk size, never on the number of threads. [`Tasks::run`] does each unit exactly once and returns when all
+//! units are done. Because no unit reads what another unit of the same stage writes, the result is the same
+//! bits for every [`Tasks`]: serial, pool or chaos.
+//!
+//! - [`Tasks`] hands out units, and contiguous chunks of slices (`for_each*`, `map_chunks`).
+//! - [`ColorSets`] colours constraint rows so that rows of one colour touch disjoint items, and gives scattered
+//!   read and write access to them ([`Scatter`]).
+//! - [`FloatEnv`] sets the floating-point mode that the bits depend on, and restores the caller's.
+//!
+//! All atomics, thread starts and the `unsafe` that disjoint parallel writes need live in this crate, so that the
+//! engine can forbid `unsafe`.
+
+mod chaos;
+mod color;
+mod float_env;
+mod pool;
+mod slices;
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+pub use color::{ColorSets, Row, Scatter};
+pub use float_env::FloatEnv;
+
+use chaos::Shuffle;
+use pool::Pool;
+
+/// The most threads a pool uses, the caller included.
+pub const MAX_THREADS: usize = 64;
+
+/// A handle to a scheduler. Clones share the threads; the threads are joined when the last handle drops.
+#[derive(Clone, Default)]
+pub struct Tasks(Mode);
+
+#[derive(Clone, Default)]
+enum Mode {
+    #[default]
+    Serial,
+    Pool(Arc<Pool>),
+    Chaos(Arc<Chaos>),
+}
+
+/// Stages are numbered so that each gets its own order. The number is taken by whoever calls `run`.
+struct Chaos {
+    seed: u64,
+    stage: AtomicU64,
+    pool: Option<Pool>,
+}
+
+impl Tasks {
+    /// All units on the calling thread, in order. The default.
+    pub fn serial() -> Self {
+        Self(Mode::Serial)
+    }
+
+    /// A pool of `threads` threads, of which the caller of [`run`](Self::run) is one: `threads - 1` are started.
+    ///
+    /// `threads` is limited to 1..=[`MAX_THREADS`]; 1 is the serial path. Where the system refuses a thread (wasm
+    /// without threads, a process limit) the pool goes on with those it got.
+    pub fn pool(threads: usize) -> Self {
+        if threads <= 1 { Self::serial() } else { Self(Mode::Pool(Arc::new(Pool::new(threads)))) }
+    }
+
+    /// For tests: serial, with the units of every stage in a seeded random order, another one each stage.
+    pub fn chaos(seed: u64) -> Self {
+        Self(Mode::Chaos(Arc::new(Chaos { seed, stage: AtomicU64::new(0), pool: None })))
+    }
+
+    /// For tests: a pool whose units come in a seeded random order and yield at random moments.
+    pub fn chaos_pool(threads: usize, seed: u64) -> Self {
+        let pool = (threads > 1).then(|| Pool::new(threads));
+        Self(Mode::Chaos(Arc::new(Chaos { seed, stage: AtomicU64::new(0), pool })))
+    }
+
+    /// Threads that take part in a stage, the caller included; at least 1.
+    pub fn threads(&self) -> usize {
+        match &self.0 {
+            Mode::Serial => 1,
+            Mode::Pool(pool) => pool.threads(),
+            Mode::Chaos(chaos) => chaos.pool.as_ref().map_or(1, Pool::threads),
+        }
+    }
+
+    /// Calls `f(unit)` exactly once for every unit in `0..units` and returns when all are done.
+    ///
+    /// May be called from inside a unit and from several threads at once: while the pool is taken, such a call does
+    /// its units itself, in order. Every unit runs under the default floating-point mode (see [`FloatEnv`]).
+    ///
+    /// # Panics
+    /// A panic in a unit reaches the caller. On a pool all other units are done first, and of several panics that
+    /// of the lowest unit is the one resumed; the serial path stops at the first.
+    pub fn run(&self, units: usize, f: &(dyn Fn(usize) + Sync)) {
+        if units == 0 {
+            return;
+        }
+        let _env = FloatEnv::set_default();
+        match &self.0 {
+            Mode::Serial => serial(units, f),
+            Mode::Pool(pool) => {
+                if units == 1 || !pool.run(units, f) {
+                    serial(units, f);
+                }
+            }
+            Mode::Chaos(chaos) => {
+                let stage = chaos.stage.fetch_add(1, Ordering::Relaxed);
+                let shuffle = Shuffle::new(chaos.seed, stage, units);
+                match &chaos.pool {
+                    Some(pool) => {
+                        let shuffled = |i: usize| {
+                            shuffle.maybe_yield(i);
+                            f(shuffle.unit(i));
+                        };
+                        if !pool.run(units, &shuffled) {
+                            serial(units, &shuffled);
+                        }
+                    }
+                    None => serial(units, &|i| f(shuffle.unit(i))),
+                }
+            }
+        }
+    }
+}
+
+fn serial(units: usize, f: &(dyn Fn(usize) + Sync)) {
+    for unit in 0..units {
+        f(unit);
+    }
+}
+
+impl fmt::Debug for Tasks {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.0 {
+            Mode::Serial => out.write_str("Tasks::serial()"),
+            Mode::Pool(pool) => write!(out, "Tasks::pool({})", pool.threads()),
+            Mode::Chaos(chaos) => write!(out, "Tasks::chaos_pool({}, {:#x})", self.threads(), chaos.seed),
+        }
+    }
+}
