@@ -111,7 +111,7 @@ impl World {
         if self.frames.len() <= slot as usize {
             self.frames.resize(slot as usize + 1, BodyFrame::default());
         }
-        let mut frame = BodyFrame::default();
+        let mut frame = BodyFrame { row: NONE, ..BodyFrame::default() };
         frame.place(d.position, d.rotation.normalize());
         self.frames[slot as usize] = frame;
         for s in d.shapes {
@@ -151,6 +151,7 @@ impl World {
             moved: false,
             visitors: Vec::new(),
         });
+        self.bouncy += usize::from(is_bouncy(&self.shapes[slot]));
         self.bodies[body].shapes.push(slot);
         if d.sensor {
             let at = self.sensors.partition_point(|&s| s < slot);
@@ -197,6 +198,7 @@ impl World {
     }
 
     fn drop_shape(&mut self, slot: u32) {
+        self.bouncy -= usize::from(is_bouncy(&self.shapes[slot]));
         if self.shapes[slot].sensor {
             self.sensors.retain(|&x| x != slot);
         }
@@ -405,8 +407,11 @@ impl World {
     fn do_set_material(&mut self, s: ShapeId, m: Material) -> Result<()> {
         let slot = self.shape_slot(s)?;
         m.check()?;
+        self.bouncy -= usize::from(is_bouncy(&self.shapes[slot]));
         self.shapes[slot].material = m;
+        self.bouncy += usize::from(is_bouncy(&self.shapes[slot]));
         self.wake_neighbours(self.shapes[slot].body);
+        self.forget_tests(self.shapes[slot].body);
         Ok(())
     }
 
@@ -437,6 +442,10 @@ impl World {
         self.refresh_row(slot);
         Ok(())
     }
+}
+
+fn is_bouncy(s: &ShapeRecord) -> bool {
+    s.material.restitution > 0.0 || s.triangle_materials.iter().any(|m| m.restitution > 0.0)
 }
 
 fn check_force(field: &'static str, f: Vec3) -> Result<()> {
@@ -487,6 +496,7 @@ impl World {
         let b = &mut self.bodies[slot];
         debug_assert!(b.row == NONE && b.enabled && b.kind != BodyKind::Fixed);
         b.row = self.awake.state.len() as u32;
+        self.frames[slot as usize].row = b.row;
         self.awake.state.push(BodyState { v: b.velocity, w: b.angular_velocity, ..BodyState::FIXED });
         self.awake.step.push(BodyStep {
             force: Vec3::ZERO,
@@ -504,6 +514,7 @@ impl World {
             sleep_timer: 0.0,
             sleep_speed: 0.0,
             target: None,
+            guided: false,
             momentum: None,
         });
         self.awake.inertia.push(InvInertia::default());
@@ -519,7 +530,9 @@ impl World {
         self.awake.inertia.swap_remove(row);
         if let Some(moved) = self.awake.step.get(row) {
             self.bodies[moved.body].row = row as u32;
+            self.frames[moved.body as usize].row = row as u32;
         }
+        self.frames[slot as usize].row = NONE;
         let b = &mut self.bodies[slot];
         (b.velocity, b.angular_velocity, b.row) = (state.v, state.w, NONE);
     }
@@ -557,6 +570,7 @@ impl World {
         frame.center = frame.center + shift.as_dvec3();
         frame.center0 = frame.center0 + shift0.as_dvec3();
         frame.local_center = center;
+        self.forget_tests(slot);
         let body = &mut self.bodies[slot];
         body.mass = m;
         let w = self.awake.state.get(body.row as usize).map_or(body.angular_velocity, |s| s.w);

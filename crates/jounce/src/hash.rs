@@ -4,6 +4,10 @@
 //! fed in a fixed order with explicit lengths, floats by their bits, so two worlds have the same hash exactly
 //! when their states have the same bits.
 
+use crate::event::Event;
+use crate::room::contacts::state::{Contact, Place, ShapeRecord};
+use crate::room::rigid::state::{Body, BodyFrame};
+use crate::world::World;
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
 /// Incremental 64-bit hash of words.
@@ -65,5 +69,120 @@ impl StateHasher {
         let mut h = *self;
         h.word(0x9e37_79b9_7f4a_7c15);
         h.state
+    }
+}
+
+impl World {
+    /// One number over the whole state: equal for two worlds exactly when their states (and so their futures) have the
+    /// same bits, up to collisions of 64 bits.
+    pub fn hash(&self) -> u64 {
+        let mut h = StateHasher::default();
+        h.word(self.step_count);
+        h.vec3(self.gravity);
+        for w in self.bodies.allocator_words().chain(self.shapes.allocator_words()) {
+            h.pair(w, 1);
+        }
+        for (i, b) in self.bodies.iter() {
+            let (v, w) = self.velocities(b);
+            h.pair(i, b.row);
+            hash_body(&mut h, b, &self.frames[i as usize]);
+            h.vec3(v);
+            h.vec3(w);
+        }
+        for (s, t) in self.awake.step.iter().zip(&self.awake.inertia) {
+            h.vec3(s.force);
+            h.vec3(s.torque);
+            h.floats(s.sleep_timer, t.xx);
+        }
+        for (i, s) in self.shapes.iter() {
+            hash_shape(&mut h, i, s);
+        }
+        for (place, rows) in [(0, &self.contacts), (1, &self.asleep_contacts)] {
+            h.pair(place, rows.len() as u32);
+            rows.iter().for_each(|c| hash_contact(&mut h, c));
+        }
+        for &id in &self.free_contacts {
+            h.pair(id, 2);
+        }
+        for (i, bodies) in self.islands.iter() {
+            h.pair(i, bodies.len() as u32);
+            bodies.iter().for_each(|&b| h.pair(b, 3));
+        }
+        self.events.iter().for_each(|e| hash_event(&mut h, e));
+        h.finish()
+    }
+}
+
+fn hash_body(h: &mut StateHasher, b: &Body, f: &BodyFrame) {
+    let flags = [b.enabled, b.bullet, b.fast_rotation, b.can_sleep];
+    h.pair(b.kind as u32, flags.iter().fold(0, |x, &f| (x << 1) | u32::from(f)));
+    h.pair(b.island, u32::from(crate::room::rigid::state::lock_bits(&b.locks)));
+    h.floats(b.linear_damping, b.angular_damping);
+    h.floats(b.gravity_scale, b.sleep_speed.unwrap_or(-1.0));
+    h.floats(b.mass.mass, b.mass.inertia.cx.x);
+    h.dvec3(f.center);
+    h.quat(f.rotation);
+    h.vec3(f.local_center);
+    for &id in &b.contacts {
+        h.pair(id, 4);
+    }
+}
+
+fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord) {
+    h.pair(i, s.body);
+    h.pose(&s.pose);
+    let place = match s.place {
+        Place::Nowhere => 0,
+        Place::FixedTree(_) => 1,
+        Place::MovingTree(_) => 2,
+        Place::Unbounded => 3,
+    };
+    h.pair(place, u32::from(s.sensor));
+    h.vec3(s.fat.min);
+    h.vec3(s.fat.max);
+    for &(a, b) in &s.visitors {
+        h.pair(a, b);
+    }
+}
+
+fn hash_contact(h: &mut StateHasher, c: &Contact) {
+    h.pair(c.shape_a, c.shape_b);
+    h.pair(c.id, u32::from(c.touching) | (u32::from(c.tested) << 1));
+    h.pose(&c.tested_pose);
+    for m in c.manifolds() {
+        h.vec3(m.normal);
+        h.pair(u32::from(m.count), u32::from(m.stick));
+        h.vec3(m.friction);
+        h.vec3(m.rolling);
+        h.vec3(m.slip);
+        h.floats(m.twist, m.surface.static_friction);
+        for p in m.points.iter().take(usize::from(m.count)) {
+            h.vec3(p.on_a);
+            h.floats(p.separation, p.impulse);
+            h.pair(p.feature, p.total_impulse.to_bits());
+        }
+    }
+}
+
+fn hash_event(h: &mut StateHasher, e: &Event) {
+    match *e {
+        Event::ContactBegin { a, b } => [1, a.to_bits(), b.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::ContactEnd { a, b } => [2, a.to_bits(), b.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::ContactHit { a, b, point, normal, speed, impulse } => {
+            [3, a.to_bits(), b.to_bits()].into_iter().for_each(|w| h.word(w));
+            h.dvec3(point);
+            h.vec3(normal);
+            h.floats(speed, impulse);
+        }
+        Event::SensorEnter { sensor, visitor } => {
+            [4, sensor.to_bits(), visitor.to_bits()].into_iter().for_each(|w| h.word(w));
+        }
+        Event::SensorLeave { sensor, visitor } => {
+            [5, sensor.to_bits(), visitor.to_bits()].into_iter().for_each(|w| h.word(w));
+        }
+        Event::Sleep { body } => [6, body.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::Wake { body } => [7, body.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::Quarantine { body } => [8, body.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::LimitReached { what } => h.word(0x900 + what.len() as u64),
     }
 }

@@ -187,7 +187,7 @@ impl World {
             self.unlink_edge(body, c.edge[k]);
         }
         if c.touching {
-            self.report_end(&c);
+            self.report_end(c.shape_a, c.shape_b);
         }
     }
 
@@ -207,9 +207,9 @@ impl World {
         c.edge[side] = edge;
     }
 
-    pub(crate) fn report_end(&mut self, c: &Contact) {
-        if self.shapes[c.shape_a].contact_events && self.shapes[c.shape_b].contact_events {
-            let (a, b) = (self.shape_id(c.shape_a), self.shape_id(c.shape_b));
+    pub(crate) fn report_end(&mut self, shape_a: u32, shape_b: u32) {
+        if self.shapes[shape_a].contact_events && self.shapes[shape_b].contact_events {
+            let (a, b) = (self.shape_id(shape_a), self.shape_id(shape_b));
             self.events.push(Event::ContactEnd { a, b });
         }
     }
@@ -239,9 +239,17 @@ impl World {
 
     /// Makes the next narrow phase test all contacts of a body afresh.
     pub(crate) fn forget_tests(&mut self, body: u32) {
-        for c in self.contacts.iter_mut().chain(&mut self.asleep_contacts) {
-            if c.body_a == body || c.body_b == body {
-                c.tested = false;
+        if self.bodies[body].kind == BodyKind::Fixed {
+            for c in self.contacts.iter_mut().chain(&mut self.asleep_contacts) {
+                c.tested &= c.body_a != body && c.body_b != body;
+            }
+            return;
+        }
+        for &id in &self.bodies[body].contacts {
+            match self.places[id as usize] {
+                ContactPlace::Awake(row) => self.contacts[row as usize].tested = false,
+                ContactPlace::Asleep(row) => self.asleep_contacts[row as usize].tested = false,
+                ContactPlace::Free => {}
             }
         }
     }

@@ -1,22 +1,70 @@
-//! Jounce: one deterministic world for everything that moves.
+//! Jounce: one deterministic world for everything that moves in a game.
+//!
+//! ```
+//! use jounce::prelude::*;
+//!
+//! # fn main() -> jounce::Result<()> {
+//! let mut world = World::new(WorldDesc::default())?;
+//! world.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y)))?;
+//! let ball = world.add_body(
+//!     BodyDesc::dynamic().at([0.0, 5.0, 0.0]).shape(ShapeDesc::sphere(0.11).mass(0.43).restitution(0.8)),
+//! )?;
+//! for _ in 0..120 {
+//!     world.step()?; // 1/60 s; `advance(frame_dt)` for a game loop, with interpolation
+//! }
+//! println!("{:?} {:#018x}", world.body(ball)?.position(), world.hash());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The same world gives the same bits on every machine and every thread count: see [`World::hash`].
 #![forbid(unsafe_code)]
 
 mod command;
+mod edit;
 mod error;
 mod event;
 mod handle;
+mod hash;
+mod hooks;
+mod islands;
 pub mod limits;
+mod query;
 mod room;
 mod settings;
+mod stage;
+mod step;
+mod table;
+mod validate;
+mod view;
+mod world;
 
 pub use command::{Command, Output};
 pub use error::{Error, Result};
 pub use event::Event;
 pub use handle::{BodyId, ShapeId};
+pub use hash::StateHasher;
+pub use hooks::{ContactHook, ContactView, FilterHook, PairView};
+pub use query::{QueryFilter, Ray, RayCastHit};
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
+pub use room::contacts::state::Surface;
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use settings::{Settings, WorldDesc};
+pub use step::{Stage, StageObserver};
+pub use view::{BodyRef, ShapeRef};
+pub use world::{Advance, Counts, Energy, Momentum, World};
 
 pub use jounce_geometry as geometry;
 pub use jounce_math as math;
 pub use jounce_tasks as tasks;
+
+/// What most programs need.
+pub mod prelude {
+    pub use crate::{
+        Advance, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, Event, Filter, Material, QueryFilter, Ray, ShapeDesc,
+        ShapeId, World, WorldDesc,
+    };
+    pub use jounce_geometry::Shape;
+    pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};
+    pub use jounce_tasks::Tasks;
+}

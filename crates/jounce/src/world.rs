@@ -35,6 +35,8 @@ pub struct World {
 
     pub(crate) shapes: Table<ShapeRecord>,
     pub(crate) sensors: Vec<u32>,
+    /// Shapes with restitution: while there are any, bounds look a step ahead.
+    pub(crate) bouncy: usize,
     pub(crate) fixed_tree: Bvh,
     pub(crate) moving_tree: Bvh,
     pub(crate) unbounded: Vec<u32>,
@@ -132,6 +134,7 @@ impl World {
             islands: Table::default(),
             shapes: Table::default(),
             sensors: Vec::new(),
+            bouncy: 0,
             fixed_tree: Bvh::new(),
             moving_tree: Bvh::new(),
             unbounded: Vec::new(),

@@ -1,2 +1,36 @@
-//! Contacts.
+//! Contacts: non-penetration, friction, restitution.
+//!
+//! # Model
+//! A manifold has up to four points with one unit normal n from A to B. At a point with levers r_A, r_B from the
+//! centres of mass, the gap and the normal velocity are
+//!
+//! * s = s₀ + n·(Δp_B − Δp_A) + (r_B × n)·Δθ_B − (r_A × n)·Δθ_A,
+//! * v_n = n·(v_B − v_A) + (r_B × n)·ω_B − (r_A × n)·ω_A = J u,
+//!
+//! J = [−n, −(r_A × n), n, r_B × n], with levers and inertia frozen within a step and Δp, Δθ the motion since its
+//! start. Complementarity: s ≥ 0, λ ≥ 0, s λ = 0.
+//!
+//! # Soft step (Catto 2022–2024)
+//! Per substep h: one pass with a soft bias, one relaxing pass without it.
+//!
+//! * s > 0: v_n + s/h ≥ 0 (speculative: may close the gap, not more).
+//! * s ≤ 0, first pass: λ ← max(λ − m (σ v_n + β) − ι λ, 0) with β = max(σ b s, −v_push), and
+//!   b = ω/(2ζ + hω), σ = hω(2ζ + hω)/(1 + hω(2ζ + hω)), ι = 1/(1 + hω(2ζ + hω)), ω = 2π f.
+//! * s ≤ 0, relaxing pass: σ = 1, β = ι = 0.
+//! * m = 1/(J M⁻¹ Jᵀ).
+//!
+//! # Friction
+//! One row of two tangents at the weighted centre of the points, one about the normal (twist), one three-dimensional against
+//! rolling; all in the relaxing pass, bounded by the normal impulse there. Static and kinetic: one stick bit per manifold; see
+//! [`finish`].
+//!
+//! # Restitution
+//! After the last substep: v_n ← e V + a h/2 where the approach was faster than the threshold; see [`prepare::impact_speed`].
+
 pub mod desc;
+pub(crate) mod finish;
+pub(crate) mod impact;
+pub(crate) mod prepare;
+pub(crate) mod rows;
+pub(crate) mod solve;
+pub(crate) mod state;

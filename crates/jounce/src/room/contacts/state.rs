@@ -48,9 +48,9 @@ pub(crate) struct ShapeRecord {
 /// A contact point with its impulses.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Point {
-    /// On A's surface, in shape A's frame.
+    /// On A's surface, from A's centre of mass, in body A's axes.
     pub on_a: Vec3,
-    /// On B's surface, in shape B's frame.
+    /// On B's surface, from B's centre of mass, in body B's axes.
     pub on_b: Vec3,
     /// Gap at the start of the step, metres.
     pub separation: f32,
@@ -64,7 +64,7 @@ pub(crate) struct Point {
 /// Up to four points with one normal, and what friction remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ContactManifold {
-    /// Unit, A to B, in shape A's frame.
+    /// Unit, A to B, in body A's axes.
     pub normal: Vec3,
     pub points: [Point; 4],
     pub count: u8,
@@ -144,7 +144,7 @@ pub(crate) struct Contact {
     pub apart: bool,
     pub fixed: bool,
     pub cache: PairCache,
-    /// Pose of B in A at the last full test; valid while `tested`.
+    /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
     pub tested_pose: Pose,
     pub tested: bool,
     /// The first manifold; more in `rest`, for meshes and compounds.

@@ -10,8 +10,7 @@
 //! A body's velocity is that of its centre of mass; its *position* in the API is that of its origin.
 
 pub mod desc;
+pub(crate) mod finish;
 pub(crate) mod mass;
 pub(crate) mod solve;
 pub(crate) mod state;
-#[cfg(test)]
-mod tests;

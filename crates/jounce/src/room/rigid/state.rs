@@ -73,6 +73,8 @@ pub(crate) struct BodyFrame {
     /// The same at the start of the last step, for interpolation and continuous collision.
     pub center0: DVec3,
     pub rotation0: Quat,
+    /// Row in the awake columns, or NONE: a copy of `Body::row`, where collision reads it.
+    pub row: u32,
 }
 
 impl BodyFrame {
@@ -143,6 +145,8 @@ pub(crate) struct BodyStep {
     pub sleep_speed: f32,
     /// Kinematic target for the next step.
     pub target: Option<WorldPose>,
+    /// The velocity came from a target: it ends with the step.
+    pub guided: bool,
     /// Angular momentum of torque-free motion with the ω it belongs to: reused while nothing touched ω, so
     /// that rounding to f32 does not leak momentum.
     pub momentum: Option<(DVec3, Vec3)>,

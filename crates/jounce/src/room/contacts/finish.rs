@@ -1,0 +1,58 @@
+//! From solver rows back to manifolds, once per step; the stick bit.
+//!
+//! Static and kinetic friction. A manifold either *sticks* (bound μ_s N) or *slides* (bound μ_k N), decided here from the last
+//! substep and remembered:
+//!
+//! * stick → slide when the friction impulse reached its bound;
+//! * slide → stick when friction stopped the slip within its bound, when the slip turned round, or when it is slower than
+//!   `Settings::stick_speed` and not speeding up;
+//! * a new manifold starts stuck below that speed.
+//!
+//! "Not speeding up" keeps a block that has just broken loose sliding; without the bit, a block slides for ever wherever
+//! μ_k < tan θ < μ_s.
+
+use super::rows::{Block, LANES};
+use super::state::ContactManifold;
+use crate::room::rigid::state::BodyState;
+use jounce_math::{Vec3, scalar::f32s};
+
+/// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
+pub(crate) fn store(m: &mut ContactManifold, block: &Block, l: usize, a: &BodyState, b: &BodyState, stick_speed: f32) -> f32 {
+    let l = l % LANES;
+    let (mut bound, mut hit) = (0.0, 0.0);
+    for (p, rows) in m.points.iter_mut().zip(&block.points).take(usize::from(m.count)) {
+        p.impulse = rows.impulse[l];
+        p.total_impulse = rows.total[l];
+        bound += rows.impulse[l];
+        if rows.total[l] > 0.0 {
+            hit = f32s::max(hit, rows.approach[l]);
+        }
+    }
+    let n = block.normal.get(l);
+    let t1 = block.tangent.get(l);
+    let t2 = n.cross(t1);
+    let [f1, f2] = [block.friction_impulse[0][l], block.friction_impulse[1][l]];
+    m.friction = t1 * f1 + t2 * f2;
+    m.total_friction = t1 * block.friction_total[0][l] + t2 * block.friction_total[1][l];
+    m.twist = block.twist_impulse[l];
+    m.rolling = block.rolling_impulse.get(l);
+    let slip_along = |t: Vec3, i: usize| {
+        let j = &block.friction[i];
+        t.dot(b.v - a.v) + j.b.get(l).dot(b.w) - j.a.get(l).dot(a.w) - block.surface_speed[i][l]
+    };
+    let slip = t1 * slip_along(t1, 0) + t2 * slip_along(t2, 1);
+    let saturated = f1 * f1 + f2 * f2 >= 0.999_998 * (block.mu[l] * bound) * (block.mu[l] * bound);
+    let speed = slip.length();
+    if bound > 0.0 {
+        m.stick = if m.stick {
+            !saturated || speed < 1e-6
+        } else {
+            let slowing = speed <= m.slip.length() || m.slip.dot(slip) < 0.0;
+            !saturated || m.slip.dot(slip) < 0.0 || (speed < stick_speed && slowing)
+        };
+    } else {
+        m.stick = speed < stick_speed;
+    }
+    m.slip = slip;
+    hit
+}

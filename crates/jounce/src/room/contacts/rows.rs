@@ -1,0 +1,160 @@
+//! Solver rows of manifolds: blocks of [`LANES`] rows of one colour, each field an array over the rows.
+//!
+//! The layout does not depend on the width of the kernels: a kernel of 1, 4, 8 or 16 lanes walks the same block in
+//! 16, 4, 2 or 1 steps. Rows of a block touch disjoint bodies.
+
+use jounce_math::Vec3;
+
+/// Rows of a block.
+pub(crate) const LANES: usize = 16;
+/// One field over the rows.
+pub(crate) type Lane = [f32; LANES];
+
+/// A vector field over the rows.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct LaneVec(pub [Lane; 3]);
+
+impl LaneVec {
+    pub const ZERO: Self = Self([[0.0; LANES]; 3]);
+    #[inline(always)]
+    pub fn get(&self, l: usize) -> Vec3 {
+        Vec3::new(self.0[0][l % LANES], self.0[1][l % LANES], self.0[2][l % LANES])
+    }
+    #[inline(always)]
+    pub fn set(&mut self, l: usize, v: Vec3) {
+        self.0[0][l % LANES] = v.x;
+        self.0[1][l % LANES] = v.y;
+        self.0[2][l % LANES] = v.z;
+    }
+}
+
+/// A one-dimensional constraint direction: J by its angular parts, and I⁻¹ times them.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Jacobian {
+    /// r_A × d.
+    pub a: LaneVec,
+    /// r_B × d.
+    pub b: LaneVec,
+    /// I_A⁻¹ (r_A × d).
+    pub ia: LaneVec,
+    /// I_B⁻¹ (r_B × d).
+    pub ib: LaneVec,
+}
+
+impl Jacobian {
+    pub const ZERO: Self = Self { a: LaneVec::ZERO, b: LaneVec::ZERO, ia: LaneVec::ZERO, ib: LaneVec::ZERO };
+}
+
+/// One point of each row.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct PointRows {
+    pub j: Jacobian,
+    /// s₀, metres.
+    pub separation: Lane,
+    /// Effective mass m; 0 for a point that is not there.
+    pub mass: Lane,
+    /// Accumulated impulse λ of this substep.
+    pub impulse: Lane,
+    /// Sum of λ over the substeps.
+    pub total: Lane,
+    /// Distance from the friction centre, metres.
+    pub lever: Lane,
+    /// Speed that restitution gives back (e V + a h/2), or 0.
+    pub rebound: Lane,
+    /// Approach speed at the start of the step, m/s, for hit events.
+    pub approach: Lane,
+}
+
+impl PointRows {
+    const ZERO: Self = Self {
+        j: Jacobian::ZERO,
+        separation: [0.0; LANES],
+        mass: [0.0; LANES],
+        impulse: [0.0; LANES],
+        total: [0.0; LANES],
+        lever: [0.0; LANES],
+        rebound: [0.0; LANES],
+        approach: [0.0; LANES],
+    };
+}
+
+/// [`LANES`] manifolds of one colour.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Block {
+    pub normal: LaneVec,
+    pub tangent: LaneVec,
+    pub inv_mass_a: Lane,
+    pub inv_mass_b: Lane,
+    /// b, σ, ι of the soft constraint.
+    pub bias_rate: Lane,
+    pub mass_scale: Lane,
+    pub impulse_scale: Lane,
+    pub points: [PointRows; 4],
+    /// Friction along `tangent` and normal × tangent.
+    pub friction: [Jacobian; 2],
+    /// Inverse of the 2×2 friction matrix: xx, xy, yy.
+    pub friction_mass: [Lane; 3],
+    pub friction_impulse: [Lane; 2],
+    pub friction_total: [Lane; 2],
+    /// Wanted tangential velocity (conveyors).
+    pub surface_speed: [Lane; 2],
+    /// μ_s or μ_k, by the stick bit.
+    pub mu: Lane,
+    /// I⁻¹ n, for twist.
+    pub twist_ia: LaneVec,
+    pub twist_ib: LaneVec,
+    pub twist_mass: Lane,
+    pub twist_impulse: Lane,
+    /// Patch radius of twist friction, metres.
+    pub twist_patch: Lane,
+    /// Rolling: coefficient as a length, 3×3 mass (xx, yy, zz, xy, xz, yz), I⁻¹ of both, impulse.
+    pub rolling: Lane,
+    pub rolling_mass: [Lane; 6],
+    pub rolling_ia: [Lane; 6],
+    pub rolling_ib: [Lane; 6],
+    pub rolling_impulse: LaneVec,
+    /// Points of each row.
+    pub count: [u8; LANES],
+    /// Some row has rolling friction / restitution.
+    pub any_rolling: bool,
+    pub any_rebound: bool,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        const L: Lane = [0.0; LANES];
+        Self {
+            normal: LaneVec::ZERO,
+            tangent: LaneVec::ZERO,
+            inv_mass_a: L,
+            inv_mass_b: L,
+            bias_rate: L,
+            mass_scale: L,
+            impulse_scale: L,
+            points: [PointRows::ZERO; 4],
+            friction: [Jacobian::ZERO; 2],
+            friction_mass: [L; 3],
+            friction_impulse: [L; 2],
+            friction_total: [L; 2],
+            surface_speed: [L; 2],
+            mu: L,
+            twist_ia: LaneVec::ZERO,
+            twist_ib: LaneVec::ZERO,
+            twist_mass: L,
+            twist_impulse: L,
+            twist_patch: L,
+            rolling: L,
+            rolling_mass: [L; 6],
+            rolling_ia: [L; 6],
+            rolling_ib: [L; 6],
+            rolling_impulse: LaneVec::ZERO,
+            count: [0; LANES],
+            any_rolling: false,
+            any_rebound: false,
+        }
+    }
+}

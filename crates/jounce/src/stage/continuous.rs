@@ -1,0 +1,113 @@
+//! Continuous collision: a body that moved far against its size is stopped where it first met a fixed shape (bullets: any
+//! shape). It keeps its velocity; the next step's contact takes it from there.
+//!
+//! Where the body already touched the shape at the start (it rests or slides on it), its whole outline would stop at once; then only
+//! a ball of half the inner radius at its centre is swept: it cannot get through.
+
+use super::{Step, broadphase};
+use crate::edit::world_bounds;
+use crate::room::contacts::state::Place;
+use crate::room::rigid::desc::BodyKind;
+use crate::world::World;
+use jounce_geometry::{Aabb, Shape, Sweep, TimeOfImpact, time_of_impact};
+use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
+
+/// A body that moved less than this part of its inner radius cannot have passed anything.
+const FAST: f32 = 0.5;
+
+pub(crate) fn run(world: &mut World, _: &Step) {
+    if !world.settings.continuous {
+        return;
+    }
+    let mut hits: Vec<(u32, f32)> = Vec::new();
+    for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
+        let body = &world.bodies[b.body];
+        let moved = s.dp.length() + s.dr.length() * (body.mass.outer_radius - body.mass.inner_radius);
+        if b.kind == BodyKind::Dynamic && moved > FAST * body.mass.inner_radius && moved.is_finite() {
+            let t = first_hit(world, b.body);
+            if t < 1.0 {
+                hits.push((b.body, t));
+            }
+        }
+    }
+    for (slot, t) in hits {
+        let f = &mut world.frames[slot as usize];
+        f.center = f.center0.lerp(f.center, f64::from(t));
+        f.rotation = f.rotation0.nlerp(f.rotation, t);
+        world.refresh_inertia(slot);
+    }
+}
+
+/// Fraction of the step after which the body first meets something it must not pass.
+fn first_hit(world: &World, slot: u32) -> f32 {
+    let body = &world.bodies[slot];
+    let f = &world.frames[slot as usize];
+    let mut first = 1.0;
+    for &s in &body.shapes {
+        let r = &world.shapes[s];
+        if r.sensor || r.place == Place::Nowhere {
+            continue;
+        }
+        let bounds = |c, q: jounce_math::Quat| {
+            let p = q.rotate(r.pose.p - f.local_center);
+            world_bounds(&r.shape, &WorldPose::new(c + p.as_dvec3(), q * r.pose.q))
+        };
+        let swept: Aabb = bounds(f.center0, f.rotation0).union(&bounds(f.center, f.rotation));
+        let mut see = |other: u32| {
+            if broadphase::may_meet(world, s, other) {
+                first = f32s::min(first, meet(world, s, other));
+            }
+            true
+        };
+        world.fixed_tree.query(&swept, &mut see);
+        if body.bullet {
+            world.moving_tree.query(&swept, &mut see);
+        }
+        for &plane in &world.unbounded {
+            see(plane);
+        }
+    }
+    first
+}
+
+/// Time of impact of shape `s` against shape `other` over the last step.
+fn meet(world: &World, s: u32, other: u32) -> f32 {
+    let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
+    let (fb, fa) = (&world.frames[rb.body as usize], &world.frames[ra.body as usize]);
+    let slop = world.settings.slop();
+    let target = f32s::min(0.5 * slop, 0.05 * f32s::min(rb.thickness, ra.thickness));
+    let at = |ca: jounce_math::DVec3, qa: jounce_math::Quat, cb: jounce_math::DVec3, qb: jounce_math::Quat| {
+        let a = WorldPose::new(ca - qa.rotate(fa.local_center).as_dvec3(), qa).compose(&ra.pose);
+        let b = WorldPose::new(cb - qb.rotate(fb.local_center).as_dvec3(), qb).compose(&rb.pose);
+        a.relative(&b)
+    };
+    let start = at(fa.center0, fa.rotation0, fb.center0, fb.rotation0);
+    let end = at(fa.center, fa.rotation, fb.center, fb.rotation);
+    let local_center = rb.pose.inverse_transform_point(fb.local_center);
+    let sweep = sweep_between(&start, &end, local_center);
+    match time_of_impact(&ra.shape, &rb.shape, &sweep, target, 0.25 * target) {
+        TimeOfImpact::Hit(t) | TimeOfImpact::Failed(t) if t > 1e-4 => t,
+        TimeOfImpact::Separated => 1.0,
+        _ => core_hit(world, rb.body, &ra.shape, &sweep),
+    }
+}
+
+fn core_hit(world: &World, body: u32, a: &Shape, sweep: &Sweep) -> f32 {
+    let radius = 0.5 * world.bodies[body].mass.inner_radius;
+    if radius <= 0.0 {
+        return 1.0;
+    }
+    let core = Sweep { local_center: Vec3::ZERO, ..*sweep };
+    match time_of_impact(a, &Shape::Sphere { radius }, &core, 0.1 * radius, 0.05 * radius) {
+        TimeOfImpact::Hit(t) | TimeOfImpact::Failed(t) if t > 0.0 => t,
+        _ => 1.0,
+    }
+}
+
+fn sweep_between(start: &Pose, end: &Pose, local_center: Vec3) -> Sweep {
+    Sweep {
+        local_center,
+        center: [start.transform_point(local_center), end.transform_point(local_center)],
+        rotation: [start.q, end.q],
+    }
+}

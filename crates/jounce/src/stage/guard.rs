@@ -1,0 +1,43 @@
+//! Quarantine: a body whose state is no longer finite, or out of the world, is put back to its last good pose and
+//! disabled, before anything else can read it. Everything else goes on.
+
+use super::Step;
+use crate::event::Event;
+use crate::limits;
+use crate::world::World;
+use jounce_math::Vec3;
+
+pub(crate) fn run(world: &mut World, _: &Step) {
+    let mut bad = Vec::new();
+    for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
+        let f = &world.frames[b.body as usize];
+        let inside = f.center.abs().max_component() <= limits::POSITION_MAX;
+        if !(inside && f.center.is_finite() && f.rotation.is_finite() && s.v.is_finite() && s.w.is_finite()) {
+            bad.push(b.body);
+        }
+    }
+    bad.sort_unstable();
+    for slot in bad {
+        quarantine(world, slot);
+    }
+}
+
+fn quarantine(world: &mut World, slot: u32) {
+    let f = &mut world.frames[slot as usize];
+    (f.center, f.rotation) = (f.center0, f.rotation0);
+    let row = world.bodies[slot].row as usize;
+    (world.awake.state[row].v, world.awake.state[row].w) = (Vec3::ZERO, Vec3::ZERO);
+    for i in 0..world.bodies[slot].contacts.len() {
+        forget_impulses(world, world.bodies[slot].contacts[i]);
+    }
+    world.enable_body(slot, false);
+    world.events.push(Event::Quarantine { body: world.body_id(slot) });
+}
+
+/// What a poisoned body pushed its neighbours with must not start their next step.
+fn forget_impulses(world: &mut World, id: u32) {
+    if let crate::room::contacts::state::ContactPlace::Awake(row) = world.places[id as usize] {
+        world.contacts[row as usize].manifold = Default::default();
+        world.contacts[row as usize].rest.clear();
+    }
+}

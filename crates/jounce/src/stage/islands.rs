@@ -1,0 +1,47 @@
+//! Commits the narrow phase, serially and in row order: begin and end of touch, and who wakes whom.
+
+use super::Step;
+use crate::event::Event;
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::NONE;
+use crate::world::World;
+
+pub(crate) fn run(world: &mut World, _: &Step) {
+    let mut ends = core::mem::take(&mut world.scratch.ends);
+    ends.clear();
+    let mut wakes = Vec::new();
+    for row in 0..world.contacts.len() {
+        let c = &mut world.contacts[row];
+        if c.apart {
+            ends.push(c.id);
+            continue;
+        }
+        if c.now_touching == c.touching {
+            continue;
+        }
+        c.touching = c.now_touching;
+        let (a, b, sa, sb) = (c.body_a, c.body_b, c.shape_a, c.shape_b);
+        if !c.touching {
+            world.report_end(sa, sb);
+            continue;
+        }
+        if world.shapes[sa].contact_events && world.shapes[sb].contact_events {
+            let (a, b) = (world.shape_id(sa), world.shape_id(sb));
+            world.events.push(Event::ContactBegin { a, b });
+        }
+        wakes.extend([a, b].into_iter().filter(|&x| asleep(world, x)));
+    }
+    ends.sort_unstable();
+    for &id in &ends {
+        world.unlink_contact(id);
+    }
+    world.scratch.ends = ends;
+    for body in wakes {
+        world.wake_body(body);
+    }
+}
+
+fn asleep(world: &World, body: u32) -> bool {
+    let b = &world.bodies[body];
+    b.kind == BodyKind::Dynamic && b.island != NONE
+}

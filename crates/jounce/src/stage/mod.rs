@@ -1,0 +1,67 @@
+//! The algorithm, in order: one file per stage.
+
+pub(crate) mod broadphase;
+pub(crate) mod commands;
+pub(crate) mod continuous;
+pub(crate) mod forces;
+pub(crate) mod guard;
+pub(crate) mod islands;
+pub(crate) mod narrowphase;
+pub(crate) mod prepare;
+pub(crate) mod publish;
+pub(crate) mod seams;
+pub(crate) mod sensors;
+pub(crate) mod sleep;
+pub(crate) mod substep;
+
+use crate::room::contacts::prepare::StepConstants;
+use crate::room::contacts::rows::Block;
+use jounce_geometry::ManifoldSet;
+use jounce_tasks::ColorSets;
+use std::sync::Mutex;
+
+/// What every stage is given about the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    /// Length of the step, seconds.
+    pub dt: f32,
+    pub substeps: u32,
+    pub constants: StepConstants,
+}
+
+/// Memory that is reused from step to step and is not state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    pub colors: ColorSets,
+    /// (contact row, manifold) by payload.
+    pub rows: Vec<(u32, u32)>,
+    pub blocks: Vec<Vec<Block>>,
+    pub sets: Sets,
+    /// Candidate pairs, one list per unit of the broad phase.
+    pub candidates: Vec<Vec<u64>>,
+    pub keys: Vec<u64>,
+    pub ends: Vec<u32>,
+    /// Per awake row: what the last finish found out about it.
+    pub flags: Vec<u8>,
+    pub parent: Vec<u32>,
+}
+
+impl Scratch {
+    pub fn colors_used(&self) -> usize {
+        self.colors.colors()
+    }
+    pub fn overflow_rows(&self) -> usize {
+        self.colors.overflow().len()
+    }
+}
+
+/// Manifold memory, one per unit of the narrow phase; a unit locks its own, so no lock is ever waited for.
+#[derive(Debug, Default)]
+pub(crate) struct Sets(pub Vec<Mutex<ManifoldSet>>);
+
+impl Clone for Sets {
+    /// Memory, not state: a clone starts without.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}

@@ -1,0 +1,252 @@
+//! Manifolds of every awake contact: recycled where the two bodies hardly moved against each other, tested anew otherwise.
+
+use super::{Step, broadphase};
+use crate::hooks::{ContactView, PairView};
+use crate::room::contacts::desc::{Combine, Material};
+use crate::room::contacts::state::{Contact, ContactManifold, Place, Point, ShapeRecord, Surface};
+use crate::room::rigid::state::NONE;
+use crate::world::World;
+use jounce_geometry::{Manifold, ManifoldSet, Shape, collide};
+use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
+use std::sync::PoisonError;
+
+/// Contacts per unit.
+const CHUNK: usize = 64;
+/// sin(θ/2) of the largest turn over which a manifold is recycled (10°).
+const RECYCLE_SIN_HALF: f32 = 0.087;
+
+pub(crate) fn run(world: &mut World, step: &Step) {
+    let mut contacts = core::mem::take(&mut world.contacts);
+    let units = contacts.len().div_ceil(CHUNK);
+    let have = world.scratch.sets.0.len();
+    world.scratch.sets.0.resize_with(units.max(have), Default::default);
+    let shared: &World = world;
+    shared.tasks.for_each_chunk(&mut contacts, CHUNK, |first, chunk| {
+        let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
+        for c in chunk {
+            update(shared, c, &mut set, step.dt);
+        }
+    });
+    world.contacts = contacts;
+}
+
+/// Pose of body B's centre of mass in body A's.
+pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let d = (fb.center - fa.center).as_vec3();
+    Pose::new(fa.rotation.inverse_rotate(d), fa.rotation.inverse_mul(fb.rotation))
+}
+
+fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
+    let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
+    c.apart = !bounds_meet(world, c, ra, rb);
+    if c.apart {
+        c.now_touching = false;
+        return;
+    }
+    let pose = relative_pose(world, c);
+    if !recycle(world, c, &pose) {
+        test(world, c, ra, rb, &pose, set, dt);
+    }
+    if let Some((_, hook)) = &world.hooks.contact {
+        ask_hook(world, c, hook.as_ref());
+    }
+    c.now_touching = c.manifold.count > 0;
+}
+
+fn bounds_meet(world: &World, c: &Contact, a: &ShapeRecord, b: &ShapeRecord) -> bool {
+    match (a.place, b.place) {
+        (Place::Unbounded, _) => broadphase::near_plane(world, c.shape_a, c.shape_b),
+        (_, Place::Unbounded) => broadphase::near_plane(world, c.shape_b, c.shape_a),
+        _ => a.fat.overlaps(&b.fat),
+    }
+}
+
+/// Keeps the manifolds of the last test when the pair moved less than the tolerance since; only the gaps are new.
+fn recycle(world: &World, c: &mut Contact, pose: &Pose) -> bool {
+    if !c.tested || !world.settings.recycle_contacts || world.hooks.contact.is_some() {
+        return false;
+    }
+    let d = (pose.p - c.tested_pose.p).length();
+    let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
+    if turn > RECYCLE_SIN_HALF || d + 2.0 * turn * c.extent_b > c.recycle_tolerance {
+        return false;
+    }
+    for m in c.manifolds_mut() {
+        for p in m.points.iter_mut().take(usize::from(m.count)) {
+            p.separation = (pose.transform_point(p.on_b) - p.on_a).dot(m.normal);
+        }
+        m.fresh = false;
+    }
+    true
+}
+
+/// How far ahead the pair looks: the margin, or as far as a bouncing pair comes within the step.
+fn margin(world: &World, c: &Contact, bouncy: bool, dt: f32) -> f32 {
+    let base = world.settings.speculative_margin();
+    if !bouncy {
+        return base;
+    }
+    let reach = |body: u32| {
+        let f = &world.frames[body as usize];
+        world.awake.state.get(f.row as usize).map_or(0.0, |s| {
+            let outer = world.bodies[body].mass.outer_radius;
+            let a = world.awake.step[f.row as usize].acceleration.length();
+            (s.v.length() + a * dt + s.w.length() * outer) * dt
+        })
+    };
+    f32s::max(base, reach(c.body_a) + reach(c.body_b))
+}
+
+fn test(
+    world: &World,
+    c: &mut Contact,
+    ra: &ShapeRecord,
+    rb: &ShapeRecord,
+    pose: &Pose,
+    set: &mut ManifoldSet,
+    dt: f32,
+) {
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let in_a = Pose::new(ra.pose.p - fa.local_center, ra.pose.q);
+    let in_b = Pose::new(rb.pose.p - fb.local_center, rb.pose.q);
+    let b_in_a = in_a.relative(&pose.compose(&in_b));
+    let bouncy = ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
+    collide(&ra.shape, &rb.shape, &b_in_a, margin(world, c, bouncy, dt), &mut c.cache, set);
+    c.tested = true;
+    c.tested_pose = *pose;
+    let old_first = c.manifold;
+    let old_rest = core::mem::take(&mut c.rest);
+    let old_count = if old_first.count == 0 { 0 } else { 1 + old_rest.len() };
+    let old = |i: usize| if i == 0 { &old_first } else { &old_rest[i - 1] };
+    c.manifold = ContactManifold::default();
+    for (i, m) in set.manifolds.iter().enumerate() {
+        let mut new = place(m, &in_a, pose);
+        new.surface = surface(ra, rb, m, fa.rotation, fb.rotation);
+        if let Some(o) = (0..old_count).map(old).find(|o| same(o, &new)) {
+            inherit(&mut new, o);
+        } else {
+            new.stick = starts_stuck(world, c, &new);
+        }
+        if i == 0 {
+            c.manifold = new;
+        } else {
+            c.rest.push(new);
+        }
+    }
+}
+
+/// A manifold from the shapes' frames to the bodies'.
+fn place(m: &Manifold, in_a: &Pose, pose: &Pose) -> ContactManifold {
+    let mut out = ContactManifold {
+        normal: in_a.q.rotate(m.normal),
+        count: m.count.min(4),
+        faces: m.faces,
+        sub_a: m.sub_a,
+        sub_b: m.sub_b,
+        ..ContactManifold::default()
+    };
+    for (p, q) in out.points.iter_mut().zip(m.points()) {
+        let mid = in_a.transform_point(q.point);
+        let half = out.normal * (0.5 * q.separation);
+        *p = Point {
+            on_a: mid - half,
+            on_b: pose.inverse_transform_point(mid + half),
+            separation: q.separation,
+            feature: q.feature,
+            ..Point::default()
+        };
+    }
+    out
+}
+
+/// Is this the same manifold as last step? Parts must match, and the normal may have turned by less than 30°.
+fn same(old: &ContactManifold, new: &ContactManifold) -> bool {
+    let part = old.sub_a == new.sub_a && old.sub_b == new.sub_b;
+    let turned = old.normal.dot(new.normal);
+    (part && turned > 0.866) || turned > 0.9995
+}
+
+/// Carries impulses over: point by point by feature, friction by manifold.
+fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
+    for p in new.points.iter_mut().take(usize::from(new.count)) {
+        if let Some(o) = old.points.iter().take(usize::from(old.count)).find(|o| o.feature == p.feature) {
+            p.impulse = o.impulse;
+            p.total_impulse = o.total_impulse;
+        }
+    }
+    new.friction = old.friction;
+    new.twist = old.twist;
+    new.rolling = old.rolling;
+    new.stick = old.stick;
+    new.slip = old.slip;
+    new.fresh = false;
+}
+
+fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let speed = |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
+    let (pa, pb) = (fa.rotation.rotate(m.points[0].on_a), fb.rotation.rotate(m.points[0].on_b));
+    let n = fa.rotation.rotate(m.normal);
+    let v = speed(fb.row, pb) - speed(fa.row, pa) - m.surface.velocity;
+    let slip = v - n * n.dot(v);
+    slip.length() < world.settings.stick_speed
+}
+
+fn material(r: &ShapeRecord, sub: u32) -> &Material {
+    let index = match &r.shape {
+        Shape::Mesh(m) if !r.triangle_materials.is_empty() => m.material(sub),
+        _ => return &r.material,
+    };
+    r.triangle_materials.get(usize::from(index)).unwrap_or(&r.material)
+}
+
+fn surface(ra: &ShapeRecord, rb: &ShapeRecord, m: &Manifold, qa: Quat, qb: Quat) -> Surface {
+    let (a, b) = (material(ra, m.sub_a), material(rb, m.sub_b));
+    let f = Combine::of(a.friction_combine, b.friction_combine);
+    let e = Combine::of(a.restitution_combine, b.restitution_combine);
+    // A belt that runs along +x carries what lies on it along +x.
+    let velocity = qa.rotate(ra.pose.q.rotate(a.surface_velocity)) - qb.rotate(rb.pose.q.rotate(b.surface_velocity));
+    Surface {
+        static_friction: f.apply(a.static_friction, b.static_friction),
+        kinetic_friction: f.apply(a.kinetic_friction, b.kinetic_friction),
+        restitution: e.apply(a.restitution, b.restitution),
+        rolling_friction: f32s::max(a.rolling_friction, b.rolling_friction),
+        twist_friction: f32s::max(a.twist_friction, b.twist_friction),
+        velocity,
+    }
+}
+
+fn ask_hook(world: &World, c: &mut Contact, hook: &(dyn Fn(&ContactView, &mut Surface) -> bool + Send + Sync)) {
+    if c.manifold.count == 0 {
+        return;
+    }
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let pair = PairView {
+        shapes: [world.shape_id(c.shape_a), world.shape_id(c.shape_b)],
+        bodies: [world.body_id(c.body_a), world.body_id(c.body_b)],
+        user_data: [world.bodies[c.body_a].user_data, world.bodies[c.body_b].user_data],
+    };
+    let speed = |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
+    let part = |s: u32| (s != NONE).then_some(s);
+    let keep = |m: &mut ContactManifold| {
+        let deepest =
+            m.points.iter().take(usize::from(m.count)).min_by(|x, y| x.separation.total_cmp(&y.separation));
+        let Some(p) = deepest.copied() else { return false };
+        let (la, lb) = (fa.rotation.rotate(p.on_a), fb.rotation.rotate(p.on_b));
+        let view = ContactView {
+            pair,
+            normal: fa.rotation.rotate(m.normal),
+            point: fa.center + la.as_dvec3(),
+            separation: p.separation,
+            relative_velocity: speed(fb.row, lb) - speed(fa.row, la),
+            parts: [part(m.sub_a), part(m.sub_b)],
+        };
+        hook(&view, &mut m.surface)
+    };
+    let first = keep(&mut c.manifold);
+    c.rest.retain_mut(keep);
+    if !first {
+        c.manifold = if c.rest.is_empty() { ContactManifold::default() } else { c.rest.remove(0) };
+    }
+}

@@ -1,0 +1,61 @@
+//! Colours the manifolds and fills the solver's rows.
+
+use super::Step;
+use crate::room::contacts::prepare::fill;
+use crate::room::contacts::rows::{Block, LANES};
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::NONE;
+use crate::world::World;
+use jounce_tasks::ColorSets;
+
+pub(crate) fn run(world: &mut World, step: &Step) {
+    color(world);
+    let mut blocks = core::mem::take(&mut world.scratch.blocks);
+    blocks.resize_with(ColorSets::COLORS + 1, Vec::new);
+    for (color, list) in blocks.iter_mut().enumerate() {
+        let overflow = color == ColorSets::COLORS;
+        let per_block = if overflow { 1 } else { LANES };
+        let rows = world.scratch.colors.rows(color);
+        list.resize_with(rows.len().div_ceil(per_block), Block::default);
+        let shared: &World = world;
+        shared.tasks.for_each(list, 1, |unit, block| {
+            block.any_rolling = false;
+            block.any_rebound = false;
+            block.count = [0; LANES];
+            let from = unit * per_block;
+            let to = (from + per_block).min(rows.len());
+            for (l, row) in rows[from..to].iter().enumerate() {
+                let (contact, manifold) = shared.scratch.rows[row.payload() as usize];
+                let c = &shared.contacts[contact as usize];
+                fill(block, l, c, c.get(manifold as usize), &shared.frames, &shared.awake, &step.constants);
+            }
+        });
+    }
+    world.scratch.blocks = blocks;
+}
+
+/// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
+fn color(world: &mut World) {
+    let scratch = &mut world.scratch;
+    scratch.colors.reset(world.awake.state.len());
+    scratch.rows.clear();
+    let item = |body: u32| match world.frames[body as usize].row {
+        NONE => ColorSets::NONE,
+        row if world.awake.step[row as usize].kind == BodyKind::Dynamic => row,
+        row => ColorSets::shared(row),
+    };
+    for (i, c) in world.contacts.iter_mut().enumerate() {
+        if !c.touching {
+            continue;
+        }
+        let (a, b) = (item(c.body_a), item(c.body_b));
+        for (k, m) in c.manifolds_mut().enumerate() {
+            let payload = scratch.rows.len() as u32;
+            scratch.rows.push((i as u32, k as u32));
+            match scratch.colors.push(a, b, payload) {
+                Some(row) => m.row = row,
+                None => debug_assert!(false, "a contact of a body with itself"),
+            }
+        }
+    }
+}

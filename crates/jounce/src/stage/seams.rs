@@ -1,0 +1,113 @@
+//! No ghost bumps across neighbouring bodies.
+//!
+//! A box that slides from one tile onto the next touches the next tile's edge, or its hidden side, a moment before its top.
+//! A manifold against a fixed body whose points all lie in the plane of another, face, manifold of the same moving body says
+//! nothing that this face does not say: it takes the face's normal. Every test reads the manifolds as the narrow phase left
+//! them, so the order of the contacts does not matter.
+
+use super::Step;
+use crate::room::contacts::state::ContactPlace;
+use crate::room::rigid::desc::BodyKind;
+use crate::world::World;
+use jounce_geometry::{FACE_A, FACE_B};
+use jounce_math::Vec3;
+
+/// A manifold against a fixed body, seen from the moving body's centre of mass, world axes.
+struct Patch {
+    row: u32,
+    index: usize,
+    /// Out of the fixed body.
+    normal: Vec3,
+    /// On the fixed body's surface.
+    points: [Vec3; 4],
+    count: usize,
+    face: bool,
+    slop: f32,
+    fixed_is_a: bool,
+}
+
+pub(crate) fn run(world: &mut World, _: &Step) {
+    let mut count = core::mem::take(&mut world.scratch.parent);
+    count.clear();
+    count.resize(world.awake.state.len(), 0);
+    for c in world.contacts.iter().filter(|c| c.fixed && c.touching) {
+        for body in [c.body_a, c.body_b] {
+            if let Some(n) = count.get_mut(world.frames[body as usize].row as usize) {
+                *n += 1;
+            }
+        }
+    }
+    for row in 0..count.len() {
+        if count[row] >= 2 && world.awake.step[row].kind == BodyKind::Dynamic {
+            body(world, world.awake.step[row].body);
+        }
+    }
+    world.scratch.parent = count;
+}
+
+fn body(world: &mut World, slot: u32) {
+    let patches = gather(world, slot);
+    for m in &patches {
+        let face = patches.iter().find(|f| {
+            (f.row, f.index) != (m.row, m.index) && f.face && f.normal.dot(m.normal) < 0.9998 && lies_on(m, f) && (!m.face || !lies_on(f, m))
+        });
+        if let Some(f) = face {
+            adopt(world, m, f.normal);
+        }
+    }
+}
+
+/// Do all points of `m` lie in the plane of `f`?
+fn lies_on(m: &Patch, f: &Patch) -> bool {
+    m.points[..m.count].iter().all(|p| f.normal.dot(*p - f.points[0]).abs() <= m.slop)
+}
+
+fn gather(world: &World, slot: u32) -> Vec<Patch> {
+    let mut patches = Vec::new();
+    let center = world.frames[slot as usize].center;
+    for &id in &world.bodies[slot].contacts {
+        let ContactPlace::Awake(row) = world.places[id as usize] else { continue };
+        let c = &world.contacts[row as usize];
+        if !c.fixed || !c.touching {
+            continue;
+        }
+        let fixed_is_a = c.body_b == slot;
+        let fa = &world.frames[c.body_a as usize];
+        let fb = &world.frames[c.body_b as usize];
+        for (index, m) in c.manifolds().enumerate() {
+            let normal = fa.rotation.rotate(m.normal);
+            let mut points = [Vec3::ZERO; 4];
+            for (q, p) in points.iter_mut().zip(&m.points) {
+                let (f, local) = if fixed_is_a { (fa, p.on_a) } else { (fb, p.on_b) };
+                *q = (f.center - center).as_vec3() + f.rotation.rotate(local);
+            }
+            let bit = if fixed_is_a { FACE_A } else { FACE_B };
+            patches.push(Patch {
+                row,
+                index,
+                normal: if fixed_is_a { normal } else { -normal },
+                points,
+                count: usize::from(m.count),
+                face: m.faces & bit != 0,
+                slop: c.slop,
+                fixed_is_a,
+            });
+        }
+    }
+    patches
+}
+
+/// Gives a manifold another normal; its points stay, their gaps are measured along the new one.
+fn adopt(world: &mut World, m: &Patch, normal: Vec3) {
+    let c = &world.contacts[m.row as usize];
+    let pose = super::narrowphase::relative_pose(world, c);
+    let out = if m.fixed_is_a { normal } else { -normal };
+    let local = world.frames[c.body_a as usize].rotation.inverse_rotate(out);
+    let c = &mut world.contacts[m.row as usize];
+    let Some(manifold) = c.manifolds_mut().nth(m.index) else { return };
+    manifold.normal = local;
+    for p in manifold.points.iter_mut().take(m.count) {
+        p.separation = (pose.transform_point(p.on_b) - p.on_a).dot(local);
+    }
+    c.tested = false;
+}

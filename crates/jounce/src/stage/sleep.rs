@@ -1,0 +1,85 @@
+//! Puts islands at rest to sleep.
+//!
+//! An island is a set of dynamic bodies joined by touching contacts. It sleeps when every one of its bodies has
+//! rested for `Settings::sleep_time_s`, and none touches a moving kinematic body or a moving surface. Found by
+//! union–find over the awake contacts, only in steps in which some body has rested long enough; so it needs no
+//! memory between steps.
+
+use super::Step;
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::NONE;
+use crate::world::World;
+use jounce_math::{Vec3, scalar::f32s};
+use std::collections::BTreeMap;
+
+pub(crate) fn run(world: &mut World, _: &Step) {
+    let needed = world.settings.sleep_time_s;
+    if !world.settings.sleep || !world.awake.step.iter().any(|b| b.sleep_timer >= needed) {
+        return;
+    }
+    keep_awake(world);
+    let n = world.awake.step.len();
+    let mut parent = core::mem::take(&mut world.scratch.parent);
+    parent.clear();
+    parent.extend(0..n as u32);
+    for c in world.contacts.iter().filter(|c| c.touching) {
+        let (a, b) = (dynamic_row(world, c.body_a), dynamic_row(world, c.body_b));
+        if a != NONE && b != NONE {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            // The smaller row becomes the root: the result does not depend on the order of the contacts.
+            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
+            parent[hi as usize] = lo;
+        }
+    }
+    let mut rest = vec![f32::MAX; n];
+    for i in 0..n {
+        let r = root(&mut parent, i as u32) as usize;
+        rest[r] = f32s::min(rest[r], world.awake.step[i].sleep_timer);
+    }
+    let mut islands: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for i in 0..n {
+        let r = root(&mut parent, i as u32);
+        if rest[r as usize] >= needed {
+            islands.entry(r).or_default().push(world.awake.step[i].body);
+        }
+    }
+    world.scratch.parent = parent;
+    for bodies in islands.into_values() {
+        world.sleep_bodies(bodies);
+    }
+}
+
+fn dynamic_row(world: &World, body: u32) -> u32 {
+    let row = world.frames[body as usize].row;
+    if row != NONE && world.awake.step[row as usize].kind == BodyKind::Dynamic { row } else { NONE }
+}
+
+fn root(parent: &mut [u32], mut i: u32) -> u32 {
+    while parent[i as usize] != i {
+        parent[i as usize] = parent[parent[i as usize] as usize];
+        i = parent[i as usize];
+    }
+    i
+}
+
+/// Bodies on a moving surface, or touched by a moving kinematic body, are not at rest.
+fn keep_awake(world: &mut World) {
+    for c in &world.contacts {
+        if !c.touching {
+            continue;
+        }
+        let rows = [c.body_a, c.body_b].map(|b| world.frames[b as usize].row);
+        let carried = c.manifolds().any(|m| m.surface.velocity != Vec3::ZERO);
+        let pushed = rows.iter().any(|&r| {
+            r != NONE && {
+                let (s, b) = (&world.awake.state[r as usize], &world.awake.step[r as usize]);
+                b.kind == BodyKind::Kinematic && (s.v != Vec3::ZERO || s.w != Vec3::ZERO)
+            }
+        });
+        if carried || pushed {
+            for r in rows.into_iter().filter(|&r| r != NONE) {
+                world.awake.step[r as usize].sleep_timer = 0.0;
+            }
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! The substeps: velocities, warm start, solve, positions, relax; then restitution and the impulses' way back.
+
+use super::Step;
+use crate::event::Event;
+use crate::room::contacts::rows::{Block, LANES};
+use crate::room::contacts::{finish, impact, solve};
+use crate::room::rigid::finish as rigid;
+use crate::room::rigid::solve::{Substep, integrate_position, integrate_velocity};
+use crate::room::rigid::state::{BodyState, NONE};
+use crate::world::World;
+use jounce_math::scalar::f32s;
+use jounce_tasks::ColorSets;
+
+/// Bodies per unit.
+const BODIES: usize = 256;
+/// Contacts per unit.
+const CONTACTS: usize = 128;
+
+pub(crate) fn run(world: &mut World, step: &Step) {
+    impacts(world, step);
+    for _ in 0..step.substeps {
+        velocities(world, step);
+        sweep(world, solve::warm_start);
+        sweep(world, |block, l, a, b| solve::solve(block, l, a, b, &step.constants));
+        positions(world, step);
+        sweep(world, |block, l, a, b| solve::relax(block, l, a, b, &step.constants));
+    }
+}
+
+/// Restitution, impulses back to the manifolds, motion back to the frames.
+pub(crate) fn finish(world: &mut World, step: &Step) {
+    if world.scratch.blocks.iter().flatten().any(|b| b.any_rebound) {
+        sweep(world, solve::restitution);
+    }
+    let stick_speed = world.settings.stick_speed;
+    let mut contacts = core::mem::take(&mut world.contacts);
+    let shared: &World = world;
+    shared.tasks.for_each(&mut contacts, CONTACTS, |_, c| {
+        c.hit_speed = 0.0;
+        if !c.touching {
+            return;
+        }
+        let side = |body: u32| match shared.frames[body as usize].row {
+            NONE => BodyState::FIXED,
+            row => shared.awake.state[row as usize],
+        };
+        let (a, b) = (side(c.body_a), side(c.body_b));
+        let mut fastest = 0.0;
+        for m in c.manifolds_mut() {
+            let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
+            let (block, lane) = if color == ColorSets::COLORS { (row, 0) } else { (row / LANES, row % LANES) };
+            let hit = finish::store(m, &shared.scratch.blocks[color][block], lane, &a, &b, stick_speed);
+            fastest = f32s::max(fastest, hit);
+        }
+        c.hit_speed = fastest;
+    });
+    world.contacts = contacts;
+    poses(world, step);
+}
+
+fn poses(world: &mut World, step: &Step) {
+    let a = &mut world.awake;
+    for ((s, b), i) in a.state.iter().zip(&mut a.step).zip(&mut a.inertia) {
+        let body = &world.bodies[b.body];
+        let frame = &mut world.frames[b.body as usize];
+        rigid::finish(s, b, i, frame, &body.mass, body.can_sleep, step.dt);
+    }
+}
+
+fn impacts(world: &mut World, step: &Step) {
+    let threshold = step.constants.restitution_speed;
+    if !impact::resolve(&world.contacts, &world.frames, &mut world.awake, threshold, step.dt) {
+        world.events.push(Event::LimitReached { what: "rounds of simultaneous impacts" });
+    }
+}
+
+fn velocities(world: &mut World, step: &Step) {
+    let (steps, inertia) = (&world.awake.step, &world.awake.inertia);
+    world.tasks.for_each(&mut world.awake.state, BODIES, |i, s| {
+        integrate_velocity(s, &steps[i], &inertia[i], step.constants.h);
+    });
+}
+
+fn positions(world: &mut World, step: &Step) {
+    let sub = Substep {
+        h: step.constants.h,
+        linear_speed_max: world.settings.linear_speed_max * world.settings.length_unit,
+        angular_speed_max: world.settings.rotation_per_step_max / step.dt,
+    };
+    let (bodies, frames) = (&world.bodies, &world.frames);
+    world.tasks.for_each2(&mut world.awake.state, &mut world.awake.step, BODIES, |_, s, b| {
+        integrate_position(s, b, bodies, frames, &sub);
+    });
+}
+
+/// One pass over all colours, then the overflow rows in their order.
+fn sweep(world: &mut World, f: impl Fn(&mut Block, usize, &mut BodyState, &mut BodyState) + Sync) {
+    let scratch = &mut world.scratch;
+    let states = &mut world.awake.state;
+    for (color, blocks) in scratch.blocks.iter_mut().enumerate().take(ColorSets::COLORS) {
+        if blocks.is_empty() {
+            continue;
+        }
+        scratch.colors.scatter(color, &world.tasks, LANES, states, BodyState::FIXED, blocks, |access, rows, block| {
+            for (l, row) in rows.enumerate() {
+                let (mut a, mut b) = access.load(row);
+                f(block, l, &mut a, &mut b);
+                access.store(row, a, b);
+            }
+        });
+    }
+    let overflow = &mut scratch.blocks[ColorSets::COLORS];
+    scratch.colors.scatter_overflow(states, BodyState::FIXED, overflow, |access, row, block| {
+        let (mut a, mut b) = access.load(row);
+        f(block, 0, &mut a, &mut b);
+        access.store(row, a, b);
+    });
+}

@@ -1,0 +1,58 @@
+//! The whole-world validator: every table agrees with every other. Debug builds only.
+
+use crate::room::contacts::state::ContactPlace;
+use crate::room::rigid::state::NONE;
+use crate::step::Stage;
+use crate::table::pair_key;
+use crate::world::World;
+
+/// Runs after the stages that move rows, in debug builds of worlds small enough.
+pub(crate) fn check_after(world: &World, stage: Stage) {
+    if cfg!(debug_assertions) && stage == Stage::Publish && world.contacts.len() < 20_000 {
+        world.validate();
+    }
+}
+
+impl World {
+    /// Asserts that every table agrees with every other. For tests; costs about as much as a step.
+    ///
+    /// # Panics
+    /// On an inconsistency, which is a bug of the engine.
+    pub fn validate(&self) {
+        for (row, b) in self.awake.step.iter().enumerate() {
+            let body = &self.bodies[b.body];
+            assert_eq!(body.row, row as u32, "row of body {}", b.body);
+            assert_eq!(self.frames[b.body as usize].row, row as u32, "row of frame {}", b.body);
+            assert!(body.enabled && body.island == NONE, "an awake body is enabled and in no island");
+        }
+        for (slot, body) in self.bodies.iter() {
+            if body.row != NONE {
+                assert_eq!(self.awake.step[body.row as usize].body, slot);
+            }
+            for &s in &body.shapes {
+                assert_eq!(self.shapes[s].body, slot, "shape {s} is on body {slot}");
+            }
+            for (i, &id) in body.contacts.iter().enumerate() {
+                let Some(c) = self.contact(id) else { panic!("body {slot} lists dead contact {id}") };
+                let side = usize::from(c.body_a != slot);
+                assert_eq!(c.edge[side], i as u32, "edge of contact {id}");
+            }
+        }
+        for (rows, asleep) in [(&self.contacts, false), (&self.asleep_contacts, true)] {
+            for (row, c) in rows.iter().enumerate() {
+                let place = if asleep { ContactPlace::Asleep(row as u32) } else { ContactPlace::Awake(row as u32) };
+                assert_eq!(self.places[c.id as usize], place, "place of contact {}", c.id);
+                assert_eq!(self.pairs.get(pair_key(c.shape_a, c.shape_b)), Some(c.id), "pair of contact {}", c.id);
+                let awake = self.bodies[c.body_a].row != NONE || self.bodies[c.body_b].row != NONE;
+                assert_eq!(awake, !asleep, "contact {} sleeps exactly when no body of it is awake", c.id);
+            }
+        }
+        assert_eq!(self.pairs.len(), self.contacts.len() + self.asleep_contacts.len());
+        for (island, bodies) in self.islands.iter() {
+            for &b in bodies {
+                assert_eq!(self.bodies[b].island, island, "island of body {b}");
+                assert_eq!(self.bodies[b].row, NONE, "a sleeping body has no row");
+            }
+        }
+    }
+}
