@@ -73,9 +73,7 @@ pub struct PairCache {
 pub struct ManifoldSet {
     /// The result: no manifold when the shapes are farther apart than the margin.
     pub manifolds: Vec<Manifold>,
-    pub(crate) triangles: Vec<u32>,
-    pub(crate) candidates: Vec<Manifold>,
-    pub(crate) polygon: [Vec<Vec3>; 2],
+    pub(crate) points: Vec<ManifoldPoint>,
 }
 
 impl ManifoldSet {
