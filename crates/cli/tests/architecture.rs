@@ -33,8 +33,12 @@ fn every_path_in_architecture_exists() {
     let missing: Vec<_> = found.iter().filter(|path| !root.join(path).exists()).collect();
     assert!(missing.is_empty(), "ARCHITECTURE.md names what is not there: {missing:?}");
     for folder in ["crates", "scenes", "bench", "docs", "xtask"] {
-        let has = |path: &&str| path.trim_end_matches('/') == folder || path.starts_with(&format!("{folder}/"));
-        assert!(!root.join(folder).exists() || found.iter().any(has), "ARCHITECTURE.md is silent on {folder}");
+        let has =
+            |path: &&str| path.trim_end_matches('/') == folder || path.starts_with(&format!("{folder}/"));
+        assert!(
+            !root.join(folder).exists() || found.iter().any(has),
+            "ARCHITECTURE.md is silent on {folder}"
+        );
     }
     for entry in std::fs::read_dir(root.join("crates")).expect("crates can be listed") {
         let name = format!("crates/{}", entry.expect("an entry").file_name().to_string_lossy());
