@@ -214,7 +214,6 @@ pub(crate) struct Pool {
 
 impl Pool {
     /// Starts `threads - 1` workers, or as many as the system grants.
-    #[expect(clippy::disallowed_methods, reason = "the one place where the core starts threads")]
     pub(crate) fn new(threads: usize) -> Self {
         let threads = threads.min(MAX_THREADS);
         let processors = thread::available_parallelism().map_or(1, |n| n.get());
