@@ -1,5 +1,6 @@
 //! What two touching shapes tell the solver.
 
+use crate::pairs::Scratch;
 use jounce_math::Vec3;
 
 /// `sub_a`/`sub_b` of a shape that has no parts.
@@ -73,7 +74,7 @@ pub struct PairCache {
 pub struct ManifoldSet {
     /// The result: no manifold when the shapes are farther apart than the margin.
     pub manifolds: Vec<Manifold>,
-    pub(crate) points: Vec<ManifoldPoint>,
+    pub(crate) scratch: Scratch,
 }
 
 impl ManifoldSet {

@@ -13,6 +13,8 @@ fn shapes(rng: &mut Rng) -> Vec<Shape> {
         Shape::Sphere { radius: r(rng) },
         Shape::Capsule { half_height: r(rng), radius: r(rng) },
         Shape::Box { half: Vec3::new(r(rng), r(rng), r(rng)) },
+        Shape::Cylinder { half_height: r(rng), radius: r(rng) },
+        Shape::Cone { half_height: r(rng), radius: r(rng) },
     ]
 }
 

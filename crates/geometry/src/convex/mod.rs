@@ -1,6 +1,7 @@
 //! Distances, overlaps and casts between two shapes.
 
 pub(crate) mod core;
+mod epa;
 pub(crate) mod gjk;
 
 use crate::Shape;

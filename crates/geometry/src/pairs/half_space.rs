@@ -1,7 +1,8 @@
 //! Half-space A against convex B: support points below the margin.
 
 use super::capsule::ends;
-use super::poly::Poly;
+use super::feature::Convex;
+use super::general::Scratch;
 use super::reduce::reduce;
 use crate::{FACE_A, Manifold, ManifoldPoint, PairCache};
 use jounce_math::{Pose, Vec3};
@@ -71,40 +72,30 @@ pub(crate) fn boxed(plane: &Plane, h: Vec3, pose: &Pose, margin: f32) -> Option<
     plane.gather([0, 1, 3, 2].into_iter().map(corner), margin)
 }
 
-/// Polyhedron B: its vertices within the margin that belong to faces looking down.
-pub(crate) fn poly(
+/// Any other convex B: the corners of what it shows to the plane.
+pub(crate) fn general(
     plane: &Plane,
-    b: &Poly,
+    b: &Convex,
     pose: &Pose,
     margin: f32,
     cache: &mut PairCache,
-    scratch: &mut Vec<ManifoldPoint>,
+    scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    scratch.clear();
     let n = pose.q.inverse_rotate(plane.normal);
-    let deepest = b.support(-n);
-    let low = plane.point(pose.transform_point(b.vertices[deepest]), deepest as u32);
-    if low.separation > margin {
+    let low = pose.transform_point(b.core.support(-n));
+    if plane.point(low, 0).separation > margin {
         return None;
     }
-    let f = b.face_along(-n);
-    // A face that looks almost straight down holds the whole contact; else all that is near the lowest point.
-    if b.faces[f].normal.dot(n) < -0.9 && b.face_loop(f).iter().any(|&k| usize::from(k) == deepest) {
-        for &k in b.face_loop(f) {
-            scratch.push(plane.point(pose.transform_point(b.vertices[usize::from(k)]), u32::from(k)));
-        }
-    } else {
-        let h = b.vertices.iter().fold(0.0f32, |h, v| if n.dot(*v) > h { n.dot(*v) } else { h });
-        let band = 0.2 * (h - n.dot(b.vertices[deepest]));
-        for (k, v) in b.vertices.iter().enumerate() {
-            let p = plane.point(pose.transform_point(*v), k as u32);
-            if p.separation <= low.separation + band {
-                scratch.push(p);
-            }
+    let Scratch { incident, points, .. } = scratch;
+    let shown = b.feature(-n, incident);
+    points.clear();
+    for c in incident.iter() {
+        let p = plane.point(pose.transform_point(c.p), shown << 10 | u32::from(c.after));
+        if p.separation <= margin {
+            points.push(p);
         }
     }
-    scratch.retain(|p| p.separation <= margin);
     let mut m = plane.manifold();
-    reduce(scratch, &mut m, cache);
+    reduce(points, &mut m, cache);
     (m.count > 0).then_some(m)
 }

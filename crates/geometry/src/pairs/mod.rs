@@ -4,16 +4,19 @@
 
 mod box_box;
 mod capsule;
+mod feature;
+mod general;
 mod half_space;
+mod hull_hull;
 mod poly;
 mod reduce;
 mod sphere;
 
-use crate::convex::core::Core;
 use crate::{Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache, Shape};
+use feature::Convex;
+pub(crate) use general::Scratch;
 use half_space::Plane;
 use jounce_math::{Pose, Vec3};
-use poly::{BoxPoly, Poly};
 
 /// A manifold of one point.
 pub(crate) fn one_point(normal: Vec3, point: Vec3, separation: f32, feature: u32, faces: u8) -> Manifold {
@@ -67,13 +70,13 @@ pub fn collide(
 /// The same with rank(a) ≥ rank(b).
 fn ordered(a: &Shape, b: &Shape, pose: &Pose, margin: f32, cache: &mut PairCache, out: &mut ManifoldSet) {
     if b.is_convex() {
+        let ManifoldSet { manifolds, scratch } = out;
         match a {
             Shape::HalfSpace { normal, offset } => {
                 let plane = Plane { normal: *normal, offset: *offset };
-                let m = half_space(&plane, b, pose, margin, cache, &mut out.points);
-                out.manifolds.extend(m);
+                manifolds.extend(half_space(&plane, b, pose, margin, cache, scratch));
             }
-            _ => out.manifolds.extend(convex(a, b, pose, margin, cache)),
+            _ => manifolds.extend(convex(a, b, pose, margin, cache, scratch)),
         }
     }
 }
@@ -84,7 +87,7 @@ fn half_space(
     pose: &Pose,
     margin: f32,
     cache: &mut PairCache,
-    scratch: &mut Vec<ManifoldPoint>,
+    scratch: &mut Scratch,
 ) -> Option<Manifold> {
     match b {
         Shape::Sphere { radius } => half_space::sphere(plane, *radius, pose.p, margin),
@@ -92,13 +95,19 @@ fn half_space(
             half_space::capsule(plane, (*half_height, *radius), pose, margin)
         }
         Shape::Box { half } => half_space::boxed(plane, *half, pose, margin),
-        Shape::Hull(h) => half_space::poly(plane, &Poly::from(&**h), pose, margin, cache, scratch),
-        _ => None,
+        _ => half_space::general(plane, &Convex::of(b)?, pose, margin, cache, scratch),
     }
 }
 
 /// Two convex shapes, rank(a) ≥ rank(b).
-fn convex(a: &Shape, b: &Shape, pose: &Pose, margin: f32, cache: &mut PairCache) -> Option<Manifold> {
+fn convex(
+    a: &Shape,
+    b: &Shape,
+    pose: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
     match (a, b) {
         (Shape::Sphere { radius: ra }, Shape::Sphere { radius: rb }) => {
             sphere::balls(Vec3::ZERO, *ra, pose.p, *rb, margin, 0)
@@ -110,19 +119,7 @@ fn convex(a: &Shape, b: &Shape, pose: &Pose, margin: f32, cache: &mut PairCache)
             capsule::capsule_capsule((*ha, *ra), (*hb, *rb), pose, margin)
         }
         (Shape::Box { half }, Shape::Sphere { radius }) => sphere::box_sphere(*half, *radius, pose.p, margin),
-        (Shape::Box { half }, Shape::Capsule { half_height, radius }) => {
-            let a = BoxPoly::new(*half);
-            let c = (*half_height, *radius);
-            capsule::poly_capsule(&a.view(), Core::Box(*half), c, pose, margin, cache)
-        }
         (Shape::Box { half: ha }, Shape::Box { half: hb }) => box_box::box_box(*ha, *hb, pose, margin, cache),
-        (Shape::Hull(h), Shape::Sphere { radius }) => {
-            sphere::poly_sphere(&Poly::from(&**h), Core::Hull(h), *radius, pose.p, margin, cache)
-        }
-        (Shape::Hull(h), Shape::Capsule { half_height, radius }) => {
-            let c = (*half_height, *radius);
-            capsule::poly_capsule(&Poly::from(&**h), Core::Hull(h), c, pose, margin, cache)
-        }
-        _ => None,
+        _ => general::convex(&Convex::of(a)?, &Convex::of(b)?, pose, margin, cache, scratch),
     }
 }

@@ -11,6 +11,8 @@ pub(crate) struct Poly<'a> {
     pub loops: &'a [u16],
     pub edges: &'a [HullEdge],
     pub center: Vec3,
+    /// The first so many faces are real; the others only close the fan of normals around an edge (triangles).
+    pub real: usize,
 }
 
 impl<'a> Poly<'a> {
@@ -19,10 +21,14 @@ impl<'a> Poly<'a> {
         let face = &self.faces[f];
         &self.loops[face.first as usize..(face.first + face.count) as usize]
     }
+    /// Faces that can be touched.
+    pub fn real_faces(&self) -> &'a [HullFace] {
+        &self.faces[..self.real]
+    }
     /// The face whose normal is nearest to `n`.
     pub fn face_along(&self, n: Vec3) -> usize {
         let (mut best, mut at) = (f32::NEG_INFINITY, 0);
-        for (i, f) in self.faces.iter().enumerate() {
+        for (i, f) in self.real_faces().iter().enumerate() {
             let d = f.normal.dot(n);
             if d > best {
                 (best, at) = (d, i);
@@ -45,7 +51,14 @@ impl<'a> Poly<'a> {
 
 impl<'a> From<&'a Hull> for Poly<'a> {
     fn from(h: &'a Hull) -> Self {
-        Self { vertices: &h.vertices, faces: &h.faces, loops: &h.loops, edges: &h.edges, center: h.center }
+        Self {
+            vertices: &h.vertices,
+            faces: &h.faces,
+            loops: &h.loops,
+            edges: &h.edges,
+            center: h.center,
+            real: h.faces.len(),
+        }
     }
 }
 
@@ -98,34 +111,48 @@ impl BoxPoly {
             loops: &BOX_LOOPS,
             edges: &BOX_EDGES,
             center: Vec3::ZERO,
+            real: 6,
         }
     }
 }
 
-/// A triangle seen as a polyhedron without thickness: face 0 is the front.
+/// One side of a triangle, as a polyhedron of one real face. Three more normals, outward in its plane, close the fan
+/// at its edges: directions from the face's to those are the ones in which an edge can be touched.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TrianglePoly {
     pub vertices: [Vec3; 3],
-    faces: [HullFace; 2],
+    faces: [HullFace; 4],
 }
 
-const TRIANGLE_LOOPS: [u16; 6] = [0, 1, 2, 0, 2, 1];
-const TRIANGLE_EDGES: [HullEdge; 3] = [edge(0, 1, 0, 1), edge(1, 2, 0, 1), edge(2, 0, 0, 1)];
+const TRIANGLE_LOOP: [u16; 3] = [0, 1, 2];
+const TRIANGLE_EDGES: [HullEdge; 3] = [edge(0, 1, 0, 1), edge(1, 2, 0, 2), edge(2, 0, 0, 3)];
 
 impl TrianglePoly {
+    /// Counter-clockwise corners around the unit `normal`.
     pub fn new(vertices: [Vec3; 3], normal: Vec3) -> Self {
-        let offset = normal.dot(vertices[0]);
-        let front = HullFace { normal, offset, first: 0, count: 3 };
-        let back = HullFace { normal: -normal, offset: -offset, first: 3, count: 3 };
-        Self { vertices, faces: [front, back] }
+        let face =
+            |normal: Vec3, at: Vec3, count| HullFace { normal, offset: normal.dot(at), first: 0, count };
+        let side = |k: usize| {
+            let (a, b) = (vertices[k], vertices[(k + 1) % 3]);
+            face((b - a).cross(normal).normalize_or(normal), a, 0)
+        };
+        Self { vertices, faces: [face(normal, vertices[0], 3), side(0), side(1), side(2)] }
+    }
+    pub fn normal(&self) -> Vec3 {
+        self.faces[0].normal
+    }
+    /// Outward normal of edge `k` in the triangle's plane.
+    pub fn side(&self, k: usize) -> Vec3 {
+        self.faces[1 + k % 3].normal
     }
     pub fn view(&self) -> Poly<'_> {
         Poly {
             vertices: &self.vertices,
             faces: &self.faces,
-            loops: &TRIANGLE_LOOPS,
+            loops: &TRIANGLE_LOOP,
             edges: &TRIANGLE_EDGES,
             center: (self.vertices[0] + self.vertices[1] + self.vertices[2]) * (1.0 / 3.0),
+            real: 1,
         }
     }
 }

@@ -1,11 +1,9 @@
-//! Spheres against spheres, capsules, boxes and polyhedra. The sphere is B; one point each.
+//! Spheres against spheres, capsules and boxes, in closed form. The sphere is B; one point each.
 
 use super::one_point;
-use super::poly::Poly;
-use crate::convex::core::{Core, sign};
-use crate::convex::gjk::{Difference, Gjk};
-use crate::{FACE_A, Manifold, PairCache};
-use jounce_math::{Pose, Vec3, scalar::f32s};
+use crate::convex::core::sign;
+use crate::{FACE_A, Manifold};
+use jounce_math::{Vec3, scalar::f32s};
 
 /// Ball of radius `ra` at `a` and ball of radius `rb` at `b`.
 pub(crate) fn balls(a: Vec3, ra: f32, b: Vec3, rb: f32, margin: f32, feature: u32) -> Option<Manifold> {
@@ -56,41 +54,4 @@ pub(crate) fn box_sphere(h: Vec3, r: f32, p: Vec3, margin: f32) -> Option<Manifo
     let mut surface = p;
     surface[i] = n[i] * h[i];
     Some(one_point(n, surface + n * (0.5 * s), s, 0, FACE_A))
-}
-
-/// Polyhedron A (with its core), sphere B at `p`.
-pub(crate) fn poly_sphere(
-    a: &Poly,
-    core: Core,
-    r: f32,
-    p: Vec3,
-    margin: f32,
-    cache: &mut PairCache,
-) -> Option<Manifold> {
-    let w = Difference { a: core, b: Core::Point, pose: Pose::from_translation(p) };
-    match w.gjk(cache.axis, r + margin) {
-        Gjk::Far(axis) => {
-            cache.axis = axis;
-            None
-        }
-        Gjk::Apart { distance, a: near, normal, .. } => {
-            cache.axis = normal;
-            let f = a.face_along(normal);
-            let flat = a.faces.get(f).is_some_and(|f| f.normal.dot(normal) > 0.99999);
-            let s = distance - r;
-            Some(one_point(normal, near + normal * (0.5 * s), s, 0, if flat { FACE_A } else { 0 }))
-        }
-        Gjk::Overlap(_) => {
-            let (mut n, mut depth) = (Vec3::Y, f32::NEG_INFINITY);
-            for f in a.faces {
-                let d = f.normal.dot(p) - f.offset;
-                if d > depth {
-                    (n, depth) = (f.normal, d);
-                }
-            }
-            cache.axis = n;
-            let s = depth - r;
-            Some(one_point(n, p - n * (depth - 0.5 * s), s, 0, FACE_A))
-        }
-    }
 }
