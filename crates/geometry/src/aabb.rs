@@ -90,12 +90,13 @@ impl Aabb {
         let mut t0 = 0.0f32;
         let mut t1 = max_t;
         for i in 0..3 {
-            let a = (self.min[i] - origin[i]) * inv_dir[i];
-            let b = (self.max[i] - origin[i]) * inv_dir[i];
-            // 0·∞ is NaN where the ray runs inside a slab's plane: the selects then keep t0 and t1.
-            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-            t0 = f32s::max(lo, t0);
-            t1 = f32s::min(hi, t1);
+            let (near, far) =
+                if inv_dir[i] >= 0.0 { (self.min[i], self.max[i]) } else { (self.max[i], self.min[i]) };
+            // 0·∞ is NaN where the ray runs inside a slab's plane: the selects then keep t0 and t1. The far
+            // side gets the 3 roundings of its computation as slack, so that no ray slips between boxes that
+            // touch (Ize 2013, "Robust BVH Ray Traversal").
+            t0 = f32s::max((near - origin[i]) * inv_dir[i], t0);
+            t1 = f32s::min((far - origin[i]) * inv_dir[i] * (1.0 + 3.0 * f32::EPSILON), t1);
         }
         (t0 <= t1).then_some(t0)
     }

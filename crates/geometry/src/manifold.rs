@@ -1,5 +1,6 @@
 //! What two touching shapes tell the solver.
 
+use crate::pairs::Scratch;
 use jounce_math::Vec3;
 
 /// `sub_a`/`sub_b` of a shape that has no parts.
@@ -73,9 +74,7 @@ pub struct PairCache {
 pub struct ManifoldSet {
     /// The result: no manifold when the shapes are farther apart than the margin.
     pub manifolds: Vec<Manifold>,
-    pub(crate) triangles: Vec<u32>,
-    pub(crate) candidates: Vec<Manifold>,
-    pub(crate) polygon: [Vec<Vec3>; 2],
+    pub(crate) scratch: Scratch,
 }
 
 impl ManifoldSet {

@@ -1,1 +1,34 @@
-//! Placeholder.
+//! Pictures of a world, made by casting rays at it with the engine's own queries; films and plots.
+//!
+//! * [`render`]: a [`Camera`], a world (any [`Tracer`]) and an [`Overlay`] give an [`Image`].
+//! * [`Image`]: pixels, and PNG files; [`Film`]: animated GIFs.
+//! * [`Plot`]: curves over time as SVG or as an [`Image`].
+//!
+//! No GPU, no display. The same input gives the same bytes with any number of threads.
+#![forbid(unsafe_code)]
+
+mod camera;
+mod error;
+mod film;
+mod image;
+mod look;
+mod overlay;
+mod parallel;
+mod plot;
+mod render;
+mod text;
+mod tracer;
+
+pub use camera::Camera;
+pub use error::{RenderError, Result};
+pub use film::Film;
+pub use image::{Image, SIDE_MAX, write_whole};
+pub use look::{Look, PALETTE, Pattern, Skin, palette, srgb};
+pub use overlay::{Dot, Line, Overlay};
+pub use plot::{Plot, Series, Style};
+pub use render::{RenderOptions, render};
+pub use text::draw as draw_text;
+pub use tracer::{Hit, Tracer};
+
+#[cfg(test)]
+mod tests;

@@ -20,6 +20,7 @@ mod pool;
 mod slices;
 
 use std::fmt;
+use std::panic::{RefUnwindSafe, UnwindSafe};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -50,6 +51,10 @@ struct Chaos {
     stage: AtomicU64,
     pool: Option<Pool>,
 }
+
+// A panic in a unit leaves the scheduler as if the stage had ended.
+impl UnwindSafe for Tasks {}
+impl RefUnwindSafe for Tasks {}
 
 impl Tasks {
     /// All units on the calling thread, in order. The default.

@@ -84,7 +84,7 @@ fn report(scene: &Scene, arguments: &Arguments) -> Result<Value, String> {
         }
         if repeat == 0 {
             let (pairs, points) = world.touching();
-            counted = json!({"bodies": world.body_count(), "awake": world.awake_count(),
+            counted = json!({"bodies": world.body_count(), "joints": world.joint_count(), "awake": world.awake_count(),
                 "contacts": world.contact_count(), "touching": pairs, "points": points,
                 "quality": (scene.quality)(&world)});
         }

@@ -33,6 +33,7 @@ pub struct Scene {
 pub const SCENES: &[Scene] = &[
     Scene { build: large_pyramid, quality: top_quality, ..scene("large_pyramid", 200) },
     Scene { build: many_pyramids, quality: many_quality, ..scene("many_pyramids", 100) },
+    Scene { build: joint_grid, ..scene("joint_grid", 100) },
     Scene { build: junkyard, capacity: junkyard_capacity, ..scene("junkyard", 500) },
     Scene { build: washer, capacity: washer_capacity, ..scene("washer", 1000) },
     Scene { build: convex_pile, capacity: convex_pile_capacity, ..scene("convex_pile", 500) },
@@ -112,6 +113,31 @@ fn many_pyramids(world: &mut World) -> Result<Before, String> {
                     world.shape(body, &Shape::block(0.5, 0.5, 0.5), options);
                 }
             }
+        }
+    }
+    Ok(nothing())
+}
+
+/// A net of spheres that hangs from its upper edge and never collides.
+fn joint_grid(world: &mut World) -> Result<Before, String> {
+    const SIDE: usize = 100;
+    world.disable_sleep();
+    let options = ShapeOptions { ghost: true, ..Default::default() };
+    let mut bodies = Vec::with_capacity(SIDE * SIDE);
+    for k in 0..SIDE {
+        for i in 0..SIDE {
+            let kind = if i == 0 { STATIC } else { DYNAMIC };
+            let body = world.body(&World::body_def(kind, k as f32, -(i as f32), 0.0));
+            world.shape(body, &Shape::Sphere { radius: 0.4 }, options);
+            if i > 0 {
+                let above = bodies[bodies.len() - 1];
+                world.ball_joint((above, vec3(0.0, -0.5, 0.0)), (body, vec3(0.0, 0.5, 0.0)));
+            }
+            if k > 0 {
+                let before = bodies[bodies.len() - SIDE];
+                world.ball_joint((before, vec3(0.5, 0.0, 0.0)), (body, vec3(-0.5, 0.0, 0.0)));
+            }
+            bodies.push(body);
         }
     }
     Ok(nothing())

@@ -89,11 +89,13 @@ pub struct ShapeOptions {
     pub friction: f32,
     /// A static shape looks for contacts at creation.
     pub buffer_move: bool,
+    /// Touches nothing of its own kind.
+    pub ghost: bool,
 }
 
 impl Default for ShapeOptions {
     fn default() -> Self {
-        ShapeOptions { density: 1000.0, friction: 0.6, buffer_move: false }
+        ShapeOptions { density: 1000.0, friction: 0.6, buffer_move: false, ghost: false }
     }
 }
 
@@ -152,6 +154,10 @@ impl World {
             def.density = options.density;
             def.baseMaterial.friction = options.friction;
             def.invokeContactCreation = options.buffer_move;
+            if options.ghost {
+                def.filter.categoryBits = 2;
+                def.filter.maskBits = !2;
+            }
             match shape {
                 Shape::Box { half: [x, y, z], centre: [cx, cy, cz] } => {
                     let hull = ffi::b3MakeOffsetBoxHull(*x, *y, *z, vec3(*cx, *cy, *cz));
@@ -165,6 +171,17 @@ impl World {
                     ffi::b3CreateHullShape(body, &def, hull.0);
                 }
             }
+        }
+    }
+
+    /// Holds a point of A to a point of B, each in its body's frame; turning is free.
+    pub fn ball_joint(&mut self, a: (ffi::b3BodyId, ffi::b3Vec3), b: (ffi::b3BodyId, ffi::b3Vec3)) {
+        // SAFETY: both bodies belong to this world; the definition started from Box3D's own.
+        unsafe {
+            let mut def = ffi::b3DefaultSphericalJointDef();
+            (def.base.bodyIdA, def.base.localFrameA.p) = a;
+            (def.base.bodyIdB, def.base.localFrameB.p) = b;
+            ffi::b3CreateSphericalJoint(self.id, &def);
         }
     }
 
@@ -206,6 +223,12 @@ impl World {
     pub fn awake_count(&self) -> i32 {
         // SAFETY: the world is alive.
         unsafe { ffi::b3World_GetAwakeBodyCount(self.id) }
+    }
+
+    /// Number of joints.
+    pub fn joint_count(&self) -> i32 {
+        // SAFETY: the world is alive.
+        unsafe { ffi::b3World_GetCounters(self.id) }.jointCount
     }
 
     /// Number of pairs Box3D keeps a contact for, touching or not.

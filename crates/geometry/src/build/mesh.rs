@@ -32,6 +32,8 @@ pub struct TriMesh {
     pub(crate) tree: Bvh,
     pub(crate) aabb: Aabb,
     pub(crate) double_sided: bool,
+    /// Index of each kept triangle in the given list.
+    pub(crate) source: Vec<u32>,
 }
 
 impl TriMesh {
@@ -63,5 +65,20 @@ impl TriMesh {
     /// Bounds.
     pub fn aabb(&self) -> Aabb {
         self.aabb
+    }
+    /// Corners of a kept triangle.
+    #[inline]
+    pub fn triangle(&self, i: u32) -> [Vec3; 3] {
+        self.triangles[i as usize].map(|v| self.vertices[v as usize])
+    }
+    /// Unit normal of a kept triangle.
+    #[inline]
+    pub fn normal(&self, i: u32) -> Vec3 {
+        self.normals[i as usize]
+    }
+    /// Index of a kept triangle in the given list.
+    #[inline]
+    pub fn original_index(&self, i: u32) -> u32 {
+        self.source[i as usize]
     }
 }

@@ -1,5 +1,9 @@
 //! Distances, overlaps and casts between two shapes.
 
+pub(crate) mod core;
+mod epa;
+pub(crate) mod gjk;
+
 use crate::Shape;
 use jounce_math::{Pose, Quat, Vec3};
 

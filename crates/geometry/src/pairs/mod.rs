@@ -1,7 +1,45 @@
-//! Contact manifolds, one file per pair of shapes.
+//! Contact manifolds, one file per family of pairs.
+//!
+//! A pair is tested in one order only (the higher [`rank`] is A); the other order is the same test, flipped.
 
-use crate::{ManifoldSet, PairCache, Shape};
-use jounce_math::Pose;
+mod box_box;
+mod capsule;
+mod feature;
+mod general;
+mod half_space;
+mod hull_hull;
+mod poly;
+mod reduce;
+mod sphere;
+
+use crate::{Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache, Shape};
+use feature::Convex;
+pub(crate) use general::Scratch;
+use half_space::Plane;
+use jounce_math::{Pose, Vec3};
+
+/// A manifold of one point.
+pub(crate) fn one_point(normal: Vec3, point: Vec3, separation: f32, feature: u32, faces: u8) -> Manifold {
+    let mut m = Manifold { normal, count: 1, faces, sub_a: NO_SUB, sub_b: NO_SUB, ..Manifold::default() };
+    m.points[0] = ManifoldPoint { point, separation, feature };
+    m
+}
+
+/// Order of the shapes in a test: A is the one of higher rank.
+fn rank(s: &Shape) -> u8 {
+    match s {
+        Shape::Sphere { .. } => 0,
+        Shape::Capsule { .. } => 1,
+        Shape::Box { .. } => 2,
+        Shape::Cylinder { .. } => 3,
+        Shape::Cone { .. } => 4,
+        Shape::Hull(_) => 5,
+        Shape::HalfSpace { .. } => 6,
+        Shape::Mesh(_) => 7,
+        Shape::HeightField(_) => 8,
+        Shape::Compound(_) => 9,
+    }
+}
 
 /// Manifolds of A and B (pose of B in A's frame) for all points closer than `margin` metres, written to
 /// `out.manifolds` (cleared first).
@@ -14,6 +52,74 @@ pub fn collide(
     cache: &mut PairCache,
     out: &mut ManifoldSet,
 ) {
-    let _ = (a, b, b_in_a, margin, cache);
     out.clear();
+    if !b_in_a.is_finite() {
+        return;
+    }
+    if rank(a) >= rank(b) {
+        ordered(a, b, b_in_a, margin, cache, out);
+        return;
+    }
+    let a_in_b = b_in_a.inverse();
+    ordered(b, a, &a_in_b, margin, cache, out);
+    for m in &mut out.manifolds {
+        *m = m.flipped(&a_in_b);
+    }
+}
+
+/// The same with rank(a) ≥ rank(b).
+fn ordered(a: &Shape, b: &Shape, pose: &Pose, margin: f32, cache: &mut PairCache, out: &mut ManifoldSet) {
+    if b.is_convex() {
+        let ManifoldSet { manifolds, scratch } = out;
+        match a {
+            Shape::HalfSpace { normal, offset } => {
+                let plane = Plane { normal: *normal, offset: *offset };
+                manifolds.extend(half_space(&plane, b, pose, margin, cache, scratch));
+            }
+            _ => manifolds.extend(convex(a, b, pose, margin, cache, scratch)),
+        }
+    }
+}
+
+fn half_space(
+    plane: &Plane,
+    b: &Shape,
+    pose: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    match b {
+        Shape::Sphere { radius } => half_space::sphere(plane, *radius, pose.p, margin),
+        Shape::Capsule { half_height, radius } => {
+            half_space::capsule(plane, (*half_height, *radius), pose, margin)
+        }
+        Shape::Box { half } => half_space::boxed(plane, *half, pose, margin),
+        _ => half_space::general(plane, &Convex::of(b)?, pose, margin, cache, scratch),
+    }
+}
+
+/// Two convex shapes, rank(a) ≥ rank(b).
+fn convex(
+    a: &Shape,
+    b: &Shape,
+    pose: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    match (a, b) {
+        (Shape::Sphere { radius: ra }, Shape::Sphere { radius: rb }) => {
+            sphere::balls(Vec3::ZERO, *ra, pose.p, *rb, margin, 0)
+        }
+        (Shape::Capsule { half_height, radius: ra }, Shape::Sphere { radius: rb }) => {
+            sphere::capsule_sphere(*half_height, *ra, *rb, pose.p, margin)
+        }
+        (Shape::Capsule { half_height: ha, radius: ra }, Shape::Capsule { half_height: hb, radius: rb }) => {
+            capsule::capsule_capsule((*ha, *ra), (*hb, *rb), pose, margin)
+        }
+        (Shape::Box { half }, Shape::Sphere { radius }) => sphere::box_sphere(*half, *radius, pose.p, margin),
+        (Shape::Box { half: ha }, Shape::Box { half: hb }) => box_box::box_box(*ha, *hb, pose, margin, cache),
+        _ => general::convex(&Convex::of(a)?, &Convex::of(b)?, pose, margin, cache, scratch),
+    }
 }

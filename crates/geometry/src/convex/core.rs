@@ -1,0 +1,91 @@
+//! Cores: every convex shape is a core swept by a ball (a capsule is a segment and a radius, a box is
+//! itself and radius 0). GJK and EPA see cores only, so round shapes stay exact.
+
+use crate::{Hull, Shape};
+use jounce_math::Vec3;
+
+/// A convex set given by its support function.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Core<'a> {
+    /// The origin.
+    Point,
+    /// Segment along y, by half height.
+    Segment(f32),
+    /// Box by half extents.
+    Box(Vec3),
+    /// Cylinder by half height and radius.
+    Cylinder(f32, f32),
+    /// Cone by half height and radius of the base.
+    Cone(f32, f32),
+    /// Polyhedron.
+    Hull(&'a Hull),
+    /// Triangle.
+    Triangle([Vec3; 3]),
+}
+
+#[inline(always)]
+pub(crate) fn sign(x: f32) -> f32 {
+    if x < 0.0 { -1.0 } else { 1.0 }
+}
+
+impl<'a> Core<'a> {
+    /// Core and radius of a convex shape; `None` for the others.
+    pub fn of(shape: &'a Shape) -> Option<(Self, f32)> {
+        Some(match shape {
+            Shape::Sphere { radius } => (Core::Point, *radius),
+            Shape::Capsule { half_height, radius } => (Core::Segment(*half_height), *radius),
+            Shape::Box { half } => (Core::Box(*half), 0.0),
+            Shape::Cylinder { half_height, radius } => (Core::Cylinder(*half_height, *radius), 0.0),
+            Shape::Cone { half_height, radius } => (Core::Cone(*half_height, *radius), 0.0),
+            Shape::Hull(h) => (Core::Hull(h), 0.0),
+            _ => return None,
+        })
+    }
+
+    /// A point of the core farthest along `d` (of any length).
+    #[inline]
+    pub fn support(&self, d: Vec3) -> Vec3 {
+        match *self {
+            Core::Point => Vec3::ZERO,
+            Core::Segment(h) => Vec3::new(0.0, sign(d.y) * h, 0.0),
+            Core::Box(h) => Vec3::new(sign(d.x) * h.x, sign(d.y) * h.y, sign(d.z) * h.z),
+            Core::Cylinder(h, r) => {
+                let (x, z) = rim(d, r);
+                Vec3::new(x, sign(d.y) * h, z)
+            }
+            Core::Cone(h, r) => {
+                let (x, z) = rim(d, r);
+                let base = Vec3::new(x, -h, z);
+                let tip = Vec3::new(0.0, h, 0.0);
+                if tip.dot(d) > base.dot(d) { tip } else { base }
+            }
+            Core::Hull(h) => support_of(h.vertices(), d),
+            Core::Triangle(t) => support_of(&t, d),
+        }
+    }
+}
+
+/// The point of the circle of radius `r` in the xz plane farthest along `d`.
+#[inline]
+pub(crate) fn rim(d: Vec3, r: f32) -> (f32, f32) {
+    let m = if d.x.abs() > d.z.abs() { d.x.abs() } else { d.z.abs() };
+    if m <= 0.0 {
+        return (r, 0.0);
+    }
+    let (x, z) = (d.x / m, d.z / m);
+    let s = r / (x * x + z * z).sqrt();
+    (x * s, z * s)
+}
+
+#[inline]
+fn support_of(points: &[Vec3], d: Vec3) -> Vec3 {
+    let mut best = Vec3::ZERO;
+    let mut far = f32::NEG_INFINITY;
+    for &p in points {
+        let s = p.dot(d);
+        if s > far {
+            (far, best) = (s, p);
+        }
+    }
+    best
+}

@@ -1,0 +1,306 @@
+//! Any two convex shapes.
+//!
+//! 1. The axis: GJK while the cores are apart; when they overlap, separating axes for polyhedra and segments and EPA
+//!    for the rest.
+//! 2. The contact: if a flat face of either shape separates almost as well as the axis, its normal is taken and what
+//!    the other shape shows (a face, an edge, a point) is clipped against its sides. Two parallel edges give two
+//!    points. All else gives the pair of witness points.
+
+use super::capsule;
+use super::feature::{Convex, Corner, FlatFace, REFERENCE_LINE};
+use super::hull_hull::{Axis, separating_axis};
+use super::reduce::reduce;
+use crate::convex::core::Core;
+use crate::convex::gjk::{Difference, Gjk, Simplex};
+use crate::{FACE_A, Manifold, ManifoldPoint, NO_SUB, PairCache};
+use jounce_math::{Pose, Vec3, scalar::f32s};
+
+/// Polygons in work.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    reference: Vec<Corner>,
+    pub incident: Vec<Corner>,
+    other: Vec<Corner>,
+    pub points: Vec<ManifoldPoint>,
+}
+
+const KIND_FACE_A: u32 = 1;
+const KIND_FACE_B: u32 = 2;
+const KIND_POINT: u32 = 3;
+
+/// Contact of convex A and B.
+pub(crate) fn convex(
+    a: &Convex,
+    b: &Convex,
+    pose: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    let axis = axis(a, b, pose, margin, cache)?;
+    contact(a, b, pose, margin, &axis, cache, scratch)
+}
+
+/// The axis of the largest gap, `None` when the shapes are farther apart than `margin`.
+pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut PairCache) -> Option<Axis> {
+    let w = Difference { a: a.core, b: b.core, pose: *pose };
+    let reach = a.radius + b.radius + margin;
+    let found = match w.gjk(cache.axis, reach) {
+        Gjk::Far(normal) => {
+            cache.axis = normal;
+            return None;
+        }
+        Gjk::Apart { distance, a: pa, b: pb, normal } if distance > 1e-3 * (a.radius + b.radius) => {
+            Axis { normal, gap: distance, a: pa, b: pb, feature: 0 }
+        }
+        Gjk::Apart { normal, a: pa, b: pb, .. } => {
+            let touching = Axis { normal, gap: 0.0, a: pa, b: pb, feature: 0 };
+            overlapping(a, b, &w, reach, &Simplex::default()).unwrap_or(touching)
+        }
+        Gjk::Overlap(s) => overlapping(a, b, &w, reach, &s).unwrap_or_else(|| {
+            // Flat against flat: any direction does; the centres' is the likeliest.
+            let normal = (pose.transform_point(b.center()) - a.center()).normalize_or(Vec3::Y);
+            let p = a.core.support(normal);
+            Axis { normal, gap: 0.0, a: p, b: p, feature: 0 }
+        }),
+    };
+    cache.axis = found.normal;
+    (found.gap <= reach).then_some(found)
+}
+
+fn overlapping(a: &Convex, b: &Convex, w: &Difference, reach: f32, simplex: &Simplex) -> Option<Axis> {
+    match (a.poly(), b.poly(), b.core) {
+        (Some(p), Some(q), _) => separating_axis(&p, &q, &w.pose, reach),
+        (Some(p), _, Core::Segment(h)) => capsule::segment_axis(&p, capsule::ends(h, &w.pose)),
+        (Some(p), _, Core::Point) => {
+            let q = w.pose.p;
+            let mut best: Option<Axis> = None;
+            for (i, f) in p.real_faces().iter().enumerate() {
+                let gap = f.normal.dot(q) - f.offset;
+                if best.is_none_or(|b| gap > b.gap) {
+                    best =
+                        Some(Axis { normal: f.normal, gap, a: q - f.normal * gap, b: q, feature: i as u32 });
+                }
+            }
+            best
+        }
+        _ => {
+            let e = w.epa(simplex)?;
+            Some(Axis { normal: e.normal, gap: -e.depth, a: e.a, b: e.b, feature: 0 })
+        }
+    }
+}
+
+/// How much worse than the axis a face may separate and still be taken, metres.
+fn tolerance(a: &Convex, b: &Convex) -> f32 {
+    f32s::min(1e-3 * f32s::min(a.thickness(), b.thickness()), 5e-4)
+}
+
+/// Points of the contact along `axis`.
+pub(crate) fn contact(
+    a: &Convex,
+    b: &Convex,
+    pose: &Pose,
+    margin: f32,
+    axis: &Axis,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    let tolerance = tolerance(a, b);
+    let n = axis.normal;
+    let local = pose.q.inverse_rotate(-n);
+    let face_a = a.flat_face(n).map(|f| {
+        let q = pose.transform_point(b.core.support(pose.q.inverse_rotate(-f.normal)));
+        (f, f.normal.dot(q) - f.offset)
+    });
+    let face_b = b.flat_face(local).map(|f| {
+        let q = pose.inverse_transform_point(a.core.support(-pose.q.rotate(f.normal)));
+        (f, f.normal.dot(q) - f.offset)
+    });
+    let bonus = |kind| if cache.kind == kind { tolerance } else { 0.0 };
+    let floor = axis.gap - tolerance;
+    let score = |f: &Option<(FlatFace, f32)>, kind| f.map_or(f32::NEG_INFINITY, |f| f.1) + bonus(kind);
+    let (sa, sb) = (score(&face_a, KIND_FACE_A), score(&face_b, KIND_FACE_B));
+    let b_first = sb > sa + 0.5 * tolerance;
+    let good = |m: &Manifold| {
+        let deepest = axis.gap - a.radius - b.radius;
+        m.points().iter().any(|p| p.separation <= deepest + 4.0 * tolerance)
+    };
+    for from_b in [b_first, !b_first] {
+        let m = match (from_b, face_a, face_b) {
+            (false, Some((f, _)), _) if sa >= floor => {
+                face_contact(a, &f, b, pose, margin, cache, scratch).map(|m| (m, KIND_FACE_A))
+            }
+            (true, _, Some((f, _))) if sb >= floor => {
+                let inverse = pose.inverse();
+                face_contact(b, &f, a, &inverse, margin, cache, scratch)
+                    .map(|m| (m.flipped(&inverse), KIND_FACE_B))
+            }
+            _ => None,
+        };
+        if let Some((m, kind)) = m.filter(|(m, _)| good(m)) {
+            cache.kind = kind;
+            return Some(m);
+        }
+    }
+    cache.kind = KIND_POINT;
+    if face_a.is_none()
+        && face_b.is_none()
+        && let Some(m) = parallel_edges(a, b, pose, margin, axis, scratch)
+    {
+        return Some(m);
+    }
+    witness(a, b, margin, axis)
+}
+
+/// One point between the witness points.
+fn witness(a: &Convex, b: &Convex, margin: f32, axis: &Axis) -> Option<Manifold> {
+    let n = axis.normal;
+    let s = axis.gap - a.radius - b.radius;
+    let point = (axis.a + n * a.radius + axis.b - n * b.radius) * 0.5;
+    (s <= margin).then(|| super::one_point(n, point, s, 1 << 30 | axis.feature, 0))
+}
+
+/// Contact on flat face `face` of A, with what B shows to it. The normal is the face's.
+pub(crate) fn face_contact(
+    a: &Convex,
+    face: &FlatFace,
+    b: &Convex,
+    pose: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    let Scratch { reference, incident, other, points } = scratch;
+    let n = face.normal;
+    a.feature(n, reference);
+    let shown = b.feature(pose.q.inverse_rotate(-n), incident);
+    for c in incident.iter_mut() {
+        c.p = pose.transform_point(c.p);
+    }
+    match incident.len() {
+        0 => return None,
+        1 | 2 => clip_segment(incident, reference, n),
+        _ => clip_polygon(incident, other, reference, n),
+    }
+    points.clear();
+    let tag = (face.index.wrapping_mul(0x2F) ^ shown.wrapping_mul(0x1D) << 3) & 0xFFF;
+    for c in incident.iter() {
+        let gap = n.dot(c.p) - face.offset;
+        let separation = gap - a.radius - b.radius;
+        if separation <= margin {
+            let point = c.p - n * (0.5 * (gap + b.radius - a.radius));
+            let feature = tag << 18 | u32::from(c.before & 0x1FF) << 9 | u32::from(c.after & 0x1FF);
+            points.push(ManifoldPoint { point, separation, feature });
+        }
+    }
+    if points.is_empty() {
+        return None;
+    }
+    let mut m = Manifold { normal: n, faces: FACE_A, sub_a: NO_SUB, sub_b: NO_SUB, ..Manifold::default() };
+    reduce(points, &mut m, cache);
+    Some(m)
+}
+
+/// Sutherland–Hodgman against the planes through the reference polygon's sides.
+fn clip_polygon(polygon: &mut Vec<Corner>, other: &mut Vec<Corner>, reference: &[Corner], n: Vec3) {
+    for k in 0..reference.len() {
+        let p = reference[k].p;
+        let out = (reference[(k + 1) % reference.len()].p - p).cross(n);
+        let over = |c: &Corner| out.dot(c.p - p);
+        if polygon.iter().all(|c| over(c) <= 0.0) {
+            continue;
+        }
+        let line = REFERENCE_LINE + k as u16;
+        other.clear();
+        for i in 0..polygon.len() {
+            let (c, d) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+            let (x, y) = (over(&c), over(&d));
+            if x <= 0.0 {
+                other.push(c);
+            }
+            if (x <= 0.0) != (y <= 0.0) {
+                let (before, after) = if x <= 0.0 { (c.after, line) } else { (line, c.after) };
+                other.push(Corner { p: c.p + (d.p - c.p) * (x / (x - y)), before, after });
+            }
+        }
+        core::mem::swap(polygon, other);
+        if polygon.is_empty() {
+            return;
+        }
+    }
+}
+
+/// The same for a segment (whose ends keep their names) or a point.
+fn clip_segment(ends: &mut Vec<Corner>, reference: &[Corner], n: Vec3) {
+    let p0 = ends[0].p;
+    let d = ends[ends.len() - 1].p - p0;
+    let (mut t0, mut t1) = (0.0f32, 1.0f32);
+    for k in 0..reference.len() {
+        let p = reference[k].p;
+        let side = reference[(k + 1) % reference.len()].p - p;
+        let out = side.cross(n);
+        let (x, dx) = (out.dot(p0 - p), out.dot(d));
+        // Border points count as inside, or a point on the seam of two triangles would belong to neither.
+        let slack = 1e-6 * side.length_squared();
+        if dx.abs() <= 1e-6 * side.length() * d.length() {
+            if x > slack {
+                ends.clear();
+                return;
+            }
+        } else if dx > 0.0 {
+            t1 = f32s::min((slack - x) / dx, t1);
+        } else {
+            t0 = f32s::max((slack - x) / dx, t0);
+        }
+    }
+    if t0 > t1 {
+        ends.clear();
+        return;
+    }
+    for (c, t) in ends.iter_mut().zip([t0, t1]) {
+        c.p = p0 + d * t;
+    }
+    if t1 - t0 < 1e-3 {
+        ends.truncate(1);
+    }
+}
+
+/// Two straight edges side by side (capsules, sides of cylinders and cones): the ends of their common stretch.
+fn parallel_edges(
+    a: &Convex,
+    b: &Convex,
+    pose: &Pose,
+    margin: f32,
+    axis: &Axis,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    let n = axis.normal;
+    a.feature(n, &mut scratch.reference);
+    b.feature(pose.q.inverse_rotate(-n), &mut scratch.incident);
+    let ([p0, p1], [q0, q1]) = (&scratch.reference[..], &scratch.incident[..]) else { return None };
+    let (p, u) = (p0.p, p1.p - p0.p);
+    let (q, v) = (pose.transform_point(q0.p), pose.q.rotate(q1.p - q0.p));
+    let (uu, uv, vv) = (u.length_squared(), u.dot(v), v.length_squared());
+    if uv * uv < 0.9996 * uu * vv || u.dot(n).abs() > 0.02 * uu.sqrt() {
+        return None;
+    }
+    let mut m = Manifold { normal: n, sub_a: NO_SUB, sub_b: NO_SUB, ..Manifold::default() };
+    let reach = |x: Vec3| f32s::clamp(u.dot(x - p) / uu, 0.0, 1.0);
+    let (s0, s1) = (reach(q), reach(q + v));
+    if (s1 - s0).abs() < 0.05 {
+        return None;
+    }
+    for (k, s) in [s0, s1].into_iter().enumerate() {
+        let on_a = p + u * s;
+        let on_b = q + v * (u.dot(on_a - q) / uv);
+        let separation = n.dot(on_b - on_a) - a.radius - b.radius;
+        if separation <= margin {
+            let point = (on_a + n * a.radius + on_b - n * b.radius) * 0.5;
+            m.points[usize::from(m.count)] = ManifoldPoint { point, separation, feature: k as u32 };
+            m.count += 1;
+        }
+    }
+    let deepest = axis.gap - a.radius - b.radius;
+    (m.count == 2 && m.points().iter().any(|p| p.separation <= deepest + 4.0 * tolerance(a, b))).then_some(m)
+}

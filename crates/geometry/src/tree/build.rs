@@ -1,0 +1,170 @@
+//! Top-down building by the binned surface-area heuristic.
+//!
+//! A split of n leaves with bounds area A costs A_left n_left + A_right n_right. The leaves' centres are sorted into
+//! [`BINS`] bins along each axis and only the planes between bins are tried (Wald 2007, "On fast Construction of
+//! SAH-based Bounding Volume Hierarchies").
+
+use super::{Bvh, LEAF, NONE, Node};
+use crate::Aabb;
+use jounce_math::Vec3;
+
+const BINS: usize = 16;
+/// Below this depth leaves are halved by count, which bounds the depth by this + 32 whatever the input.
+const SAH_DEPTH_MAX: u32 = 40;
+
+#[derive(Clone, Copy)]
+struct Item {
+    aabb: Aabb,
+    leaf: u32,
+}
+
+/// Items `first..end` go below slot `slot` of `parent`.
+struct Job {
+    first: usize,
+    end: usize,
+    parent: u32,
+    slot: usize,
+    depth: u32,
+}
+
+impl Bvh {
+    /// Makes the inner nodes over the present leaves anew; leaf ids stay.
+    pub(super) fn build_inner(&mut self, mut boxes: Vec<(Aabb, u32)>) {
+        self.nodes.clear();
+        self.free_node = NONE;
+        self.root = NONE;
+        let mut items: Vec<Item> = boxes.drain(..).map(|(aabb, leaf)| Item { aabb, leaf }).collect();
+        drop(boxes);
+        if items.is_empty() {
+            return;
+        }
+        self.root = 0;
+        self.nodes.reserve(items.len());
+        if let [only] = items[..] {
+            self.nodes.push(Node::new(NONE));
+            self.set(0, 0, only.aabb, LEAF | only.leaf);
+            return;
+        }
+        let mut jobs = vec![Job { first: 0, end: items.len(), parent: NONE, slot: 0, depth: 0 }];
+        while let Some(job) = jobs.pop() {
+            self.build_node(&mut items, &job, &mut jobs);
+        }
+        // Children stand behind their parents: one backward sweep gives every inner box.
+        for n in (1..self.nodes.len()).rev() {
+            let (b, p) = (self.nodes[n].bounds(), self.nodes[n].parent);
+            let slot = self.slot_of(p, n as u32);
+            self.nodes[p as usize].boxes[slot] = b;
+        }
+    }
+
+    fn build_node(&mut self, items: &mut [Item], job: &Job, jobs: &mut Vec<Job>) {
+        let range = &mut items[job.first..job.end];
+        let n = self.nodes.len() as u32;
+        self.nodes.push(Node::new(job.parent));
+        if job.parent != NONE {
+            self.nodes[job.parent as usize].children[job.slot] = n;
+        }
+        let middle = job.first + split(range, job.depth);
+        for (slot, (first, end)) in [(0, (job.first, middle)), (1, (middle, job.end))].into_iter().rev() {
+            if end - first == 1 {
+                self.set(n, slot, items[first].aabb, LEAF | items[first].leaf);
+            } else {
+                jobs.push(Job { first, end, parent: n, slot, depth: job.depth + 1 });
+            }
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Bin {
+    aabb: Aabb,
+    count: usize,
+}
+
+/// Reorders two or more items and says how many go left: at least one, not all.
+fn split(items: &mut [Item], depth: u32) -> usize {
+    let half = items.len() / 2;
+    if items.len() == 2 {
+        return 1;
+    }
+    let centers = Aabb::from_points(items.iter().map(|i| twice_center(&i.aabb)));
+    let extent = centers.max - centers.min;
+    // Not positive: all centres coincide. Not finite: nothing sensible can be measured.
+    if depth < SAH_DEPTH_MAX
+        && extent.max_component() > 0.0
+        && extent.is_finite()
+        && let Some((axis, bin)) = best_plane(items, &centers)
+    {
+        let count = partition(items, |i| bin_of(&i.aabb, &centers, axis) < bin);
+        if count > 0 && count < items.len() {
+            return count;
+        }
+    }
+    let axis = extent.max_axis();
+    let key = |i: &Item| twice_center(&i.aabb)[axis];
+    items.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)).then(a.leaf.cmp(&b.leaf)));
+    half
+}
+
+#[inline(always)]
+fn twice_center(b: &Aabb) -> Vec3 {
+    b.min + b.max
+}
+
+#[inline(always)]
+fn bin_of(b: &Aabb, centers: &Aabb, axis: usize) -> usize {
+    let (lo, hi) = (centers.min[axis], centers.max[axis]);
+    let x = (b.min[axis] + b.max[axis] - lo) / (hi - lo);
+    ((x * BINS as f32) as usize).min(BINS - 1)
+}
+
+/// Axis and first bin of the right side of the cheapest plane.
+fn best_plane(items: &[Item], centers: &Aabb) -> Option<(usize, usize)> {
+    let mut best = None;
+    let mut best_cost = f32::INFINITY;
+    for axis in 0..3 {
+        if centers.max[axis] <= centers.min[axis] {
+            continue;
+        }
+        let mut bins = [Bin { aabb: Aabb::EMPTY, count: 0 }; BINS];
+        for i in items {
+            let bin = &mut bins[bin_of(&i.aabb, centers, axis)];
+            bin.aabb = bin.aabb.union(&i.aabb);
+            bin.count += 1;
+        }
+        let mut right_cost = [0.0f32; BINS];
+        let (mut b, mut n) = (Aabb::EMPTY, 0);
+        for k in (1..BINS).rev() {
+            b = b.union(&bins[k].aabb);
+            n += bins[k].count;
+            right_cost[k] = if n == 0 { f32::INFINITY } else { b.area() * n as f32 };
+        }
+        (b, n) = (Aabb::EMPTY, 0);
+        for k in 1..BINS {
+            b = b.union(&bins[k - 1].aabb);
+            n += bins[k - 1].count;
+            if n == 0 {
+                continue;
+            }
+            let cost = b.area() * n as f32 + right_cost[k];
+            if cost < best_cost {
+                (best_cost, best) = (cost, Some((axis, k)));
+            }
+        }
+    }
+    best
+}
+
+/// Moves the items that satisfy `left` to the front; gives their number.
+fn partition(items: &mut [Item], left: impl Fn(&Item) -> bool) -> usize {
+    let (mut i, mut j) = (0, items.len());
+    while i < j {
+        if left(&items[i]) {
+            i += 1;
+        } else {
+            j -= 1;
+            items.swap(i, j);
+        }
+    }
+    i
+}

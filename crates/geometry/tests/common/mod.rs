@@ -1,0 +1,121 @@
+//! Seeded poses and a slow oracle: the gap of two convex shapes by trying directions.
+#![allow(dead_code)]
+
+use jounce_geometry::Shape;
+use jounce_math::{Pose, Quat, Vec3};
+
+/// xorshift64*.
+pub struct Rng(pub u64);
+
+impl Rng {
+    pub fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
+    }
+    /// Uniform in 0…1.
+    pub fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u64 << 24) as f32
+    }
+    pub fn range(&mut self, lo: f32, hi: f32) -> f32 {
+        lo + (hi - lo) * self.unit()
+    }
+    pub fn vec(&mut self, r: f32) -> Vec3 {
+        Vec3::new(self.range(-r, r), self.range(-r, r), self.range(-r, r))
+    }
+    pub fn direction(&mut self) -> Vec3 {
+        loop {
+            let v = self.vec(1.0);
+            let l = v.length();
+            if l > 0.1 && l <= 1.0 {
+                return v / l;
+            }
+        }
+    }
+    pub fn rotation(&mut self) -> Quat {
+        loop {
+            let q = Quat::new(
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+                self.range(-1.0, 1.0),
+            );
+            let l = q.dot(q);
+            if l > 0.01 && l <= 1.0 {
+                return q.normalize();
+            }
+        }
+    }
+}
+
+/// Support point, written apart from the library's.
+pub fn support(s: &Shape, d: Vec3) -> Vec3 {
+    let sg = |x: f32| if x >= 0.0 { 1.0f32 } else { -1.0 };
+    let flat = Vec3::new(d.x, 0.0, d.z).normalize_or(Vec3::X);
+    match s {
+        Shape::Sphere { radius } => d * *radius,
+        Shape::Capsule { half_height, radius } => Vec3::new(0.0, sg(d.y) * half_height, 0.0) + d * *radius,
+        Shape::Box { half } => Vec3::new(sg(d.x) * half.x, sg(d.y) * half.y, sg(d.z) * half.z),
+        Shape::Cylinder { half_height, radius } => flat * *radius + Vec3::Y * (sg(d.y) * half_height),
+        Shape::Cone { half_height, radius } => {
+            let base = flat * *radius - Vec3::Y * *half_height;
+            let tip = Vec3::Y * *half_height;
+            if tip.dot(d) > base.dot(d) { tip } else { base }
+        }
+        Shape::Hull(h) => {
+            let v = h.vertices();
+            *v.iter().max_by(|a, b| a.dot(d).total_cmp(&b.dot(d))).unwrap()
+        }
+        _ => unreachable!(),
+    }
+}
+
+/// Gap along the unit direction `n` (from A to B), metres.
+pub fn gap_along(a: &Shape, b: &Shape, pose: &Pose, n: Vec3) -> f32 {
+    let pa = support(a, n);
+    let pb = pose.transform_point(support(b, pose.q.inverse_rotate(-n)));
+    (pb - pa).dot(n)
+}
+
+/// The largest gap over all directions: the distance when apart, minus the depth when not. Starts from
+/// `samples` directions (and `guesses`), then climbs from the best few.
+pub fn gap(a: &Shape, b: &Shape, pose: &Pose, samples: usize, guesses: &[Vec3]) -> f32 {
+    let golden = std::f32::consts::PI * (3.0 - 5.0f32.sqrt());
+    let mut top: Vec<(f32, Vec3)> = Vec::new();
+    let spiral = (0..samples).map(|i| {
+        let y = 1.0 - 2.0 * (i as f32 + 0.5) / samples as f32;
+        let r = (1.0 - y * y).sqrt();
+        let (s, c) = (golden * i as f32).sin_cos();
+        Vec3::new(r * c, y, r * s)
+    });
+    for n in spiral.chain(guesses.iter().copied()) {
+        top.push((gap_along(a, b, pose, n), n));
+    }
+    top.sort_by(|x, y| y.0.total_cmp(&x.0));
+    top.truncate(12);
+    let mut best = f32::NEG_INFINITY;
+    for (mut g, mut n) in top {
+        let mut step = 0.2;
+        while step > 1e-5 {
+            let (u, v) = n.orthonormal_basis();
+            let mut improved = false;
+            for k in 0..8 {
+                let (s, c) = (std::f32::consts::FRAC_PI_4 * k as f32).sin_cos();
+                let m = (n + (u * c + v * s) * step).normalize_or(n);
+                let h = gap_along(a, b, pose, m);
+                if h > g {
+                    (g, n) = (h, m);
+                    improved = true;
+                }
+            }
+            if !improved {
+                step *= 0.5;
+            }
+        }
+        if g > best {
+            best = g;
+        }
+    }
+    best
+}

@@ -1,0 +1,124 @@
+//! NEON, which every ARM64 machine has, so its intrinsics need no detection.
+//!
+//! `FMIN` and `FMAX` are IEEE 754's minimum and maximum, not compare-and-select; hence the explicit selection.
+
+use std::arch::aarch64::*;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use crate::{Lanes, Mask, sealed};
+
+#[derive(Clone, Copy)]
+pub(crate) struct F32x4(float32x4_t);
+#[derive(Clone, Copy)]
+pub(crate) struct Mask4(uint32x4_t);
+
+impl sealed::Sealed for F32x4 {}
+impl sealed::Sealed for Mask4 {}
+
+macro_rules! operators {
+    ($($type:ident $trait:ident $f:ident $op:ident),*) => {$(
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $f(self, other: Self) -> Self {
+                // SAFETY: NEON is part of the target's baseline.
+                Self(unsafe { $op(self.0, other.0) })
+            }
+        }
+    )*};
+}
+operators!(F32x4 Add add vaddq_f32, F32x4 Sub sub vsubq_f32, F32x4 Mul mul vmulq_f32, F32x4 Div div vdivq_f32,
+    Mask4 BitAnd bitand vandq_u32, Mask4 BitOr bitor vorrq_u32);
+
+impl Neg for F32x4 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vnegq_f32(self.0) })
+    }
+}
+
+impl Not for Mask4 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vmvnq_u32(self.0) })
+    }
+}
+
+impl Mask for Mask4 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        // SAFETY: NEON is part of the target's baseline, and the array is as long as the load.
+        unsafe { vaddvq_u32(vandq_u32(self.0, vld1q_u32([1, 2, 4, 8].as_ptr()))) }
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 15
+    }
+}
+
+impl Lanes for F32x4 {
+    type Mask = Mask4;
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vdupq_n_f32(x) })
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        let from = &from[..4];
+        // SAFETY: the slice is as long as the load.
+        Self(unsafe { vld1q_f32(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        let to = &mut to[..4];
+        // SAFETY: the slice is as long as the store.
+        unsafe { vst1q_f32(to.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vsqrtq_f32(self.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vabsq_f32(self.0) })
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vbslq_f32(vcltq_f32(self.0, other.0), self.0, other.0) })
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vbslq_f32(vcgtq_f32(self.0, other.0), self.0, other.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask4 {
+        // SAFETY: NEON is part of the target's baseline.
+        Mask4(unsafe { vcltq_f32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask4 {
+        // SAFETY: NEON is part of the target's baseline.
+        Mask4(unsafe { vcleq_f32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask4 {
+        // SAFETY: NEON is part of the target's baseline.
+        Mask4(unsafe { vceqq_f32(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask4, yes: Self, no: Self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vbslq_f32(mask.0, yes.0, no.0) })
+    }
+}

@@ -1,0 +1,110 @@
+//! WebAssembly's 128-bit SIMD, in builds that have it switched on.
+//!
+//! `f32x4_pmin(a, b)` is `if b < a { b } else { a }`: compare-and-select with the operands exchanged.
+
+use std::arch::wasm32::*;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use crate::{Lanes, Mask, sealed};
+
+#[derive(Clone, Copy)]
+pub(crate) struct F32x4(v128);
+#[derive(Clone, Copy)]
+pub(crate) struct Mask4(v128);
+
+impl sealed::Sealed for F32x4 {}
+impl sealed::Sealed for Mask4 {}
+
+macro_rules! operators {
+    ($($type:ident $trait:ident $f:ident $op:ident),*) => {$(
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $f(self, other: Self) -> Self {
+                Self($op(self.0, other.0))
+            }
+        }
+    )*};
+}
+operators!(F32x4 Add add f32x4_add, F32x4 Sub sub f32x4_sub, F32x4 Mul mul f32x4_mul, F32x4 Div div f32x4_div,
+    Mask4 BitAnd bitand v128_and, Mask4 BitOr bitor v128_or);
+
+impl Neg for F32x4 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(f32x4_neg(self.0))
+    }
+}
+
+impl Not for Mask4 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(v128_not(self.0))
+    }
+}
+
+impl Mask for Mask4 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(i32x4_bitmask(self.0))
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 15
+    }
+}
+
+impl Lanes for F32x4 {
+    type Mask = Mask4;
+    const WIDTH: usize = 4;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self(f32x4_splat(x))
+    }
+    #[inline(always)]
+    fn load(from: &[f32]) -> Self {
+        let from = &from[..4];
+        Self(f32x4(from[0], from[1], from[2], from[3]))
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        let to = &mut to[..4];
+        // SAFETY: the slice is as long as the store, and the store needs no alignment.
+        unsafe { v128_store(to.as_mut_ptr().cast(), self.0) }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(f32x4_sqrt(self.0))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(f32x4_abs(self.0))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(f32x4_pmin(other.0, self.0))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(f32x4_pmax(other.0, self.0))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask4 {
+        Mask4(f32x4_lt(self.0, other.0))
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask4 {
+        Mask4(f32x4_le(self.0, other.0))
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask4 {
+        Mask4(f32x4_eq(self.0, other.0))
+    }
+    #[inline(always)]
+    fn select(mask: Mask4, yes: Self, no: Self) -> Self {
+        Self(v128_bitselect(yes.0, no.0, mask.0))
+    }
+}

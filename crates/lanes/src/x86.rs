@@ -1,0 +1,447 @@
+//! SSE2, AVX2 and AVX-512F.
+//!
+//! # Why the intrinsics are sound
+//! The types of this module are private and [`Lanes`] is sealed, so code outside meets them only as the `L` of
+//! [`Kernel::run`], inside one of the entry points below. [`crate::dispatch`] enters one only after it has detected the
+//! instruction set on this machine. Whatever a kernel does with `L`, it does on a machine that has the instructions;
+//! code that is not inlined into the entry point is slower and the same.
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use crate::{Kernel, Lanes, Mask, sealed};
+
+pub(crate) fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2")
+}
+
+pub(crate) fn has_avx512() -> bool {
+    is_x86_feature_detected!("avx512f")
+}
+
+pub(crate) fn enter_sse2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<F32x4>()
+}
+
+#[target_feature(enable = "avx2")]
+pub(crate) fn enter_avx2<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<F32x8>()
+}
+
+#[target_feature(enable = "avx512f")]
+pub(crate) fn enter_avx512<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<F32x16>()
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct F32x4(__m128);
+#[derive(Clone, Copy)]
+pub(crate) struct Mask4(__m128);
+#[derive(Clone, Copy)]
+pub(crate) struct F32x8(__m256);
+#[derive(Clone, Copy)]
+pub(crate) struct Mask8(__m256);
+#[derive(Clone, Copy)]
+pub(crate) struct F32x16(__m512);
+#[derive(Clone, Copy)]
+pub(crate) struct Mask16(__mmask16);
+
+macro_rules! operators {
+    ($type:ident, $set1:ident, $xor:expr, $($trait:ident $f:ident $op:ident),*) => {
+        impl sealed::Sealed for $type {}
+        $(impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $f(self, other: Self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $op(self.0, other.0) })
+            }
+        })*
+        impl Neg for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $xor(self.0, $set1(-0.0)) })
+            }
+        }
+    };
+}
+operators!(F32x4, _mm_set1_ps, _mm_xor_ps, Add add _mm_add_ps, Sub sub _mm_sub_ps, Mul mul _mm_mul_ps, Div div _mm_div_ps);
+operators!(F32x8, _mm256_set1_ps, _mm256_xor_ps,
+    Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps);
+operators!(F32x16, _mm512_set1_ps, xor512,
+    Add add _mm512_add_ps, Sub sub _mm512_sub_ps, Mul mul _mm512_mul_ps, Div div _mm512_div_ps);
+
+/// The float form of this instruction needs AVX-512DQ.
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[inline(always)]
+unsafe fn xor512(a: __m512, b: __m512) -> __m512 {
+    // SAFETY: promised by the caller.
+    unsafe { _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(a), _mm512_castps_si512(b))) }
+}
+
+macro_rules! vector_mask {
+    ($type:ident, $width:literal, $and:ident, $or:ident, $xor:ident, $ones:expr, $movemask:ident) => {
+        impl sealed::Sealed for $type {}
+        impl BitAnd for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn bitand(self, other: Self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $and(self.0, other.0) })
+            }
+        }
+        impl BitOr for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn bitor(self, other: Self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $or(self.0, other.0) })
+            }
+        }
+        impl Not for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn not(self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $xor(self.0, $ones) })
+            }
+        }
+        impl Mask for $type {
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                // SAFETY: the machine has the instructions (see the header).
+                unsafe { $movemask(self.0) as u32 }
+            }
+            #[inline(always)]
+            fn all(self) -> bool {
+                self.bits() == (1 << $width) - 1
+            }
+        }
+    };
+}
+vector_mask!(
+    Mask4,
+    4,
+    _mm_and_ps,
+    _mm_or_ps,
+    _mm_xor_ps,
+    _mm_castsi128_ps(_mm_set1_epi32(-1)),
+    _mm_movemask_ps
+);
+vector_mask!(
+    Mask8,
+    8,
+    _mm256_and_ps,
+    _mm256_or_ps,
+    _mm256_xor_ps,
+    _mm256_castsi256_ps(_mm256_set1_epi32(-1)),
+    _mm256_movemask_ps
+);
+
+impl sealed::Sealed for Mask16 {}
+impl BitAnd for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+impl BitOr for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+impl Not for Mask16 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+impl Mask for Mask16 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0 == u16::MAX
+    }
+}
+
+/// What is spelt alike for the three sets. `MINPS` and `MAXPS` give their second operand for NaN and for two zeros,
+/// which is compare-and-select.
+macro_rules! common {
+    ($width:literal, $set1:ident, $load:ident, $store:ident, $sqrt:ident, $min:ident, $max:ident) => {
+        const WIDTH: usize = $width;
+
+        #[inline(always)]
+        fn splat(x: f32) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $set1(x) })
+        }
+        #[inline(always)]
+        fn load(from: &[f32]) -> Self {
+            let from = &from[..$width];
+            // SAFETY: the machine has the instructions (see the header), and the slice is as long as the load.
+            Self(unsafe { $load(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f32]) {
+            let to = &mut to[..$width];
+            // SAFETY: the machine has the instructions (see the header), and the slice is as long as the store.
+            unsafe { $store(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $sqrt(self.0) })
+        }
+        #[inline(always)]
+        fn min(self, other: Self) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $min(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn max(self, other: Self) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $max(self.0, other.0) })
+        }
+    };
+}
+
+impl Lanes for F32x4 {
+    type Mask = Mask4;
+    common!(4, _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps);
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: the machine has the instructions (see the header).
+        Self(unsafe { _mm_andnot_ps(_mm_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask4 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask4(unsafe { _mm_cmplt_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask4 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask4(unsafe { _mm_cmple_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask4 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask4(unsafe { _mm_cmpeq_ps(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask4, yes: Self, no: Self) -> Self {
+        // SAFETY: the machine has the instructions (see the header).
+        Self(unsafe { _mm_or_ps(_mm_and_ps(mask.0, yes.0), _mm_andnot_ps(mask.0, no.0)) })
+    }
+    #[inline(always)]
+    fn gather8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
+        let mut out = [Self::zero(); 8];
+        for half in 0..2 {
+            let mut rows = [Self::zero().0; 4];
+            for i in 0..4 {
+                rows[i] = Self::load(&row(i)[4 * half..]).0;
+            }
+            let columns = transpose4(rows);
+            for c in 0..4 {
+                out[4 * half + c] = Self(columns[c]);
+            }
+        }
+        out
+    }
+    #[inline(always)]
+    fn scatter8(columns: [Self; 8], mut put: impl FnMut(usize, [f32; 8])) {
+        let [a, b, c, d, e, f, g, h] = columns;
+        let low = transpose4([a.0, b.0, c.0, d.0]);
+        let high = transpose4([e.0, f.0, g.0, h.0]);
+        for lane in 0..4 {
+            let mut row = [0.0; 8];
+            Self(low[lane]).store(&mut row[..4]);
+            Self(high[lane]).store(&mut row[4..]);
+            put(lane, row);
+        }
+    }
+}
+
+impl Lanes for F32x8 {
+    type Mask = Mask8;
+    common!(
+        8,
+        _mm256_set1_ps,
+        _mm256_loadu_ps,
+        _mm256_storeu_ps,
+        _mm256_sqrt_ps,
+        _mm256_min_ps,
+        _mm256_max_ps
+    );
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: the machine has the instructions (see the header).
+        Self(unsafe { _mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask8 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask8 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask8 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask8(unsafe { _mm256_cmp_ps::<_CMP_EQ_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask8, yes: Self, no: Self) -> Self {
+        // SAFETY: the machine has the instructions (see the header).
+        Self(unsafe { _mm256_blendv_ps(no.0, yes.0, mask.0) })
+    }
+    #[inline(always)]
+    fn gather8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
+        let mut rows = [Self::zero(); 8];
+        for i in 0..8 {
+            rows[i] = Self::load(row(i));
+        }
+        // SAFETY: the machine has the instructions (see the header).
+        unsafe { transpose8(rows) }
+    }
+    #[inline(always)]
+    fn scatter8(columns: [Self; 8], mut put: impl FnMut(usize, [f32; 8])) {
+        // SAFETY: the machine has the instructions (see the header).
+        let rows = unsafe { transpose8(columns) };
+        for lane in 0..8 {
+            let mut row = [0.0; 8];
+            rows[lane].store(&mut row);
+            put(lane, row);
+        }
+    }
+}
+
+impl Lanes for F32x16 {
+    type Mask = Mask16;
+    common!(
+        16,
+        _mm512_set1_ps,
+        _mm512_loadu_ps,
+        _mm512_storeu_ps,
+        _mm512_sqrt_ps,
+        _mm512_min_ps,
+        _mm512_max_ps
+    );
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: the machine has the instructions (see the header).
+        Self(unsafe { _mm512_abs_ps(self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> Mask16 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LT_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Mask16 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask16(unsafe { _mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> Mask16 {
+        // SAFETY: the machine has the instructions (see the header).
+        Mask16(unsafe { _mm512_cmp_ps_mask::<_CMP_EQ_OQ>(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: Mask16, yes: Self, no: Self) -> Self {
+        // SAFETY: the machine has the instructions (see the header).
+        Self(unsafe { _mm512_mask_blend_ps(mask.0, no.0, yes.0) })
+    }
+    /// Two transpositions of eight rows, side by side.
+    #[inline(always)]
+    fn gather8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
+        let low = F32x8::gather8(&row);
+        let high = F32x8::gather8(|lane| row(lane + 8));
+        let mut out = [Self::zero(); 8];
+        for c in 0..8 {
+            // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
+            out[c] = Self(unsafe {
+                let (low, high) = (_mm512_castps256_ps512(low[c].0), _mm256_castps_pd(high[c].0));
+                _mm512_castpd_ps(_mm512_insertf64x4::<1>(_mm512_castps_pd(low), high))
+            });
+        }
+        out
+    }
+    #[inline(always)]
+    fn scatter8(columns: [Self; 8], mut put: impl FnMut(usize, [f32; 8])) {
+        let (mut low, mut high) = ([F32x8::zero(); 8], [F32x8::zero(); 8]);
+        for c in 0..8 {
+            // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
+            unsafe {
+                low[c] = F32x8(_mm512_castps512_ps256(columns[c].0));
+                high[c] =
+                    F32x8(_mm256_castpd_ps(_mm512_extractf64x4_pd::<1>(_mm512_castps_pd(columns[c].0))));
+            }
+        }
+        F32x8::scatter8(low, &mut put);
+        F32x8::scatter8(high, |lane, row| put(lane + 8, row));
+    }
+}
+
+#[inline(always)]
+fn transpose4(r: [__m128; 4]) -> [__m128; 4] {
+    // SAFETY: SSE2 is part of the target's baseline.
+    unsafe {
+        let (a, b) = (_mm_unpacklo_ps(r[0], r[1]), _mm_unpackhi_ps(r[0], r[1]));
+        let (c, d) = (_mm_unpacklo_ps(r[2], r[3]), _mm_unpackhi_ps(r[2], r[3]));
+        [_mm_movelh_ps(a, c), _mm_movehl_ps(c, a), _mm_movelh_ps(b, d), _mm_movehl_ps(d, b)]
+    }
+}
+
+/// Pairs of rows are interleaved, then pairs of pairs, then 128-bit halves are exchanged.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn transpose8(rows: [F32x8; 8]) -> [F32x8; 8] {
+    let [a, b, c, d, e, f, g, h] = rows;
+    // SAFETY: promised by the caller.
+    unsafe {
+        let (ab, ab_) = (_mm256_unpacklo_ps(a.0, b.0), _mm256_unpackhi_ps(a.0, b.0));
+        let (cd, cd_) = (_mm256_unpacklo_ps(c.0, d.0), _mm256_unpackhi_ps(c.0, d.0));
+        let (ef, ef_) = (_mm256_unpacklo_ps(e.0, f.0), _mm256_unpackhi_ps(e.0, f.0));
+        let (gh, gh_) = (_mm256_unpacklo_ps(g.0, h.0), _mm256_unpackhi_ps(g.0, h.0));
+        const LOW: i32 = 0b01_00_01_00;
+        const HIGH: i32 = 0b11_10_11_10;
+        let near = [
+            _mm256_shuffle_ps::<LOW>(ab, cd),
+            _mm256_shuffle_ps::<HIGH>(ab, cd),
+            _mm256_shuffle_ps::<LOW>(ab_, cd_),
+            _mm256_shuffle_ps::<HIGH>(ab_, cd_),
+        ];
+        let far = [
+            _mm256_shuffle_ps::<LOW>(ef, gh),
+            _mm256_shuffle_ps::<HIGH>(ef, gh),
+            _mm256_shuffle_ps::<LOW>(ef_, gh_),
+            _mm256_shuffle_ps::<HIGH>(ef_, gh_),
+        ];
+        let mut out = [a; 8];
+        for c in 0..4 {
+            out[c] = F32x8(_mm256_permute2f128_ps::<0x20>(near[c], far[c]));
+            out[c + 4] = F32x8(_mm256_permute2f128_ps::<0x31>(near[c], far[c]));
+        }
+        out
+    }
+}

@@ -1,0 +1,417 @@
+//! Bodies of a scene file: templates, and where their copies go.
+
+use crate::error::{Checked, Under, Wrong};
+use crate::limits;
+use crate::random::Stream;
+use crate::shapes::{Library, euler, rotation};
+use crate::spec::{
+    BodySpec, BodyTypeSpec, MassPropertiesSpec, PyramidSpec, RepeatSpec, ScatterRotationSpec, ScatterSpec,
+};
+use jounce::geometry::{MassProperties, limits::SIZE_MAX};
+use jounce::math::{DVec3, Mat3, Quat, Vec3};
+use jounce::{AxisLocks, BodyDesc, BodyKind, MassSpec};
+use std::collections::{BTreeMap, HashMap};
+
+/// A body to be copied.
+#[derive(Clone, Debug)]
+pub(crate) struct Template {
+    pub desc: BodyDesc,
+    pub color: Option<[f32; 3]>,
+}
+
+/// Where a copy goes, relative to its template.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Place {
+    pub position: DVec3,
+    pub rotation: Quat,
+    pub velocity: Vec3,
+    pub angular_velocity: Vec3,
+}
+
+impl Place {
+    const HERE: Self = Self {
+        position: DVec3::ZERO,
+        rotation: Quat::IDENTITY,
+        velocity: Vec3::ZERO,
+        angular_velocity: Vec3::ZERO,
+    };
+}
+
+/// Bodies that share a name: a single one, a grid of copies, or a scattered lot.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub name: Option<String>,
+    pub templates: Vec<Template>,
+    pub places: Vec<Place>,
+    /// A single body is `name`; copies are `name[n]`.
+    pub single: bool,
+}
+
+impl Group {
+    /// Number of bodies.
+    pub(crate) fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Which template copy `n` follows.
+    pub(crate) fn template(&self, n: usize) -> &Template {
+        &self.templates[n % self.templates.len()]
+    }
+
+    /// Copy `n`, ready for the world.
+    pub(crate) fn body(&self, n: usize) -> BodyDesc {
+        let (place, mut d) = (&self.places[n], self.template(n).desc.clone());
+        d.position += place.position;
+        d.rotation = (place.rotation * d.rotation).normalize();
+        d.velocity += place.velocity;
+        d.angular_velocity += place.angular_velocity;
+        d.name = match (&self.name, d.name) {
+            (Some(name), _) if self.single => Some(name.clone()),
+            (Some(name), _) => Some(format!("{name}[{n}]")),
+            (None, own) => own,
+        };
+        d
+    }
+}
+
+/// Counts bodies and shapes of a scene against the limits, before anything is reserved.
+#[derive(Default)]
+pub(crate) struct Census {
+    bodies: u64,
+    shapes: u64,
+}
+
+impl Census {
+    pub(crate) fn add(&mut self, bodies: u64, shapes_each: u64) -> Checked<()> {
+        self.bodies = self.bodies.saturating_add(bodies);
+        self.shapes = self.shapes.saturating_add(bodies.saturating_mul(shapes_each));
+        if self.bodies > limits::SCENE_BODIES_MAX {
+            let limit = format!("at most {} bodies in a scene", limits::SCENE_BODIES_MAX);
+            return Err(Wrong::new(format!("makes {} bodies", self.bodies), limit));
+        }
+        if self.shapes > limits::SCENE_SHAPES_MAX {
+            let limit = format!("at most {} shapes in a scene", limits::SCENE_SHAPES_MAX);
+            return Err(Wrong::new(format!("makes {} shapes", self.shapes), limit));
+        }
+        Ok(())
+    }
+}
+
+/// Names of bodies and how many bear each.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Names(BTreeMap<String, u64>);
+
+impl Names {
+    pub(crate) fn add(&mut self, name: &str, count: u64) -> Checked<()> {
+        if name.is_empty() || name.contains(['[', ']']) || name.len() > jounce::limits::NAME_MAX - 12 {
+            let expected = "1 to 244 bytes without square brackets";
+            return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
+        }
+        if self.0.insert(name.into(), count).is_some() {
+            return Err(
+                Wrong::new(format!("\"{name}\" is given to two bodies"), "a name of its own").key("name")
+            );
+        }
+        Ok(())
+    }
+
+    /// The bodies that a text names: `name` (all of them) or `name[n]`.
+    pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
+        let (name, index) = match text.strip_suffix(']').and_then(|t| t.split_once('[')) {
+            Some((name, n)) => match n.parse::<usize>() {
+                Ok(n) => (name, Some(n)),
+                Err(_) => return Err(Wrong::new(format!("is \"{text}\""), "name or name[number]")),
+            },
+            None => (text, None),
+        };
+        let Some(&count) = self.0.get(name) else {
+            return Err(crate::shapes::unknown("body", name, self.0.keys().map(String::as_str)));
+        };
+        match index {
+            Some(n) if n as u64 >= count => Err(Wrong::new(
+                format!("\"{text}\" is not there"),
+                format!("{name}[0] to {name}[{}]", count - 1),
+            )),
+            _ => Ok(Target { name: name.into(), index, count: if index.is_some() { 1 } else { count } }),
+        }
+    }
+}
+
+/// Bodies by name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Target {
+    pub name: String,
+    pub index: Option<usize>,
+    /// How many the scene makes in all.
+    pub count: u64,
+}
+
+/// One entry of `bodies`: a body, or a grid of them.
+pub(crate) fn group(b: &BodySpec, library: &mut Library, census: &mut Census) -> Checked<Group> {
+    let shapes = b.shapes.len() as u64;
+    let places = match &b.repeat {
+        None => census.add(1, shapes).map(|()| vec![Place::HERE])?,
+        Some(r) => grid(r, shapes, census).key("repeat")?,
+    };
+    let templates = vec![template(b, library)?];
+    Ok(Group { name: b.name.clone(), templates, places, single: b.repeat.is_none() })
+}
+
+fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
+    let mut d = BodyDesc::new(match b.kind {
+        BodyTypeSpec::Fixed => BodyKind::Fixed,
+        BodyTypeSpec::Kinematic => BodyKind::Kinematic,
+        BodyTypeSpec::Dynamic => BodyKind::Dynamic,
+    });
+    d.position = DVec3::from_array(b.position.unwrap_or([0.0; 3]));
+    d.rotation = rotation(b.rotation_deg, b.rotation)?;
+    d.velocity = Vec3::from_array(b.velocity.unwrap_or([0.0; 3]));
+    d.angular_velocity = Vec3::from_array(b.angular_velocity.unwrap_or([0.0; 3]));
+    d.linear_damping = b.linear_damping.unwrap_or(d.linear_damping);
+    d.angular_damping = b.angular_damping.unwrap_or(d.angular_damping);
+    d.gravity_scale = b.gravity_scale.unwrap_or(d.gravity_scale);
+    if let Some(l) = &b.locks {
+        d.locks = AxisLocks { linear: l.linear, angular: l.angular };
+    }
+    d.bullet = b.bullet.unwrap_or(d.bullet);
+    d.fast_rotation = b.fast_rotation.unwrap_or(d.fast_rotation);
+    d.can_sleep = b.can_sleep.unwrap_or(d.can_sleep);
+    d.sleep_speed = b.sleep_speed;
+    d.asleep = b.asleep.unwrap_or(d.asleep);
+    d.enabled = b.enabled.unwrap_or(d.enabled);
+    d.check()?;
+    for (i, s) in b.shapes.iter().enumerate() {
+        let built = library.shape(s).and_then(|shape| {
+            let alone = BodyDesc::new(d.kind).shape(shape.clone());
+            alone.check()?;
+            Ok(shape)
+        });
+        d.shapes.push(built.index(i).key("shapes")?);
+    }
+    match (&b.mass_properties, b.mass) {
+        (Some(_), Some(_)) => {
+            return Err(
+                Wrong::new("given beside `mass_properties`", "mass or mass_properties, not both").key("mass")
+            );
+        }
+        (Some(m), None) => d.mass = Some(mass_properties(m).key("mass_properties")?),
+        (None, Some(m)) => scale_mass(&mut d, m).key("mass")?,
+        (None, None) => {}
+    }
+    if d.kind == BodyKind::Dynamic && d.shapes.is_empty() && d.mass.is_none() {
+        return Err(Wrong::new("the dynamic body has no shapes", "at least one shape, or mass_properties"));
+    }
+    let color = b.color.as_deref().map(color).transpose().key("color")?;
+    Ok(Template { desc: d, color })
+}
+
+/// Scales the shapes' masses to a sum.
+fn scale_mass(d: &mut BodyDesc, total: f32) -> Checked<()> {
+    if !(total >= jounce::limits::MASS_MIN && total <= jounce::limits::MASS_MAX) {
+        return Err(Wrong::new(format!("is {total}"), "a positive mass, 1e-12 to 1e15 kg"));
+    }
+    let own: Vec<f32> = d
+        .shapes
+        .iter()
+        .map(|s| match s.mass {
+            _ if s.sensor => 0.0,
+            MassSpec::Mass(m) => m,
+            MassSpec::Density(x) => s.shape.mass_properties(x).map_or(0.0, |p| p.mass),
+        })
+        .collect();
+    let sum: f32 = own.iter().sum();
+    if !(sum > 0.0 && sum.is_finite()) {
+        return Err(Wrong::new(
+            "no shape has mass to scale",
+            "a shape with volume and density, or mass_properties",
+        ));
+    }
+    let factor = total / sum;
+    d.shapes
+        .iter_mut()
+        .zip(own)
+        .filter(|(s, _)| !s.sensor)
+        .for_each(|(s, m)| s.mass = MassSpec::Mass(m * factor));
+    Ok(())
+}
+
+fn mass_properties(m: &MassPropertiesSpec) -> Checked<MassProperties> {
+    let (xx, yy, zz, xy, xz, yz) = match m.inertia[..] {
+        [xx, yy, zz] => (xx, yy, zz, 0.0, 0.0, 0.0),
+        [xx, yy, zz, xy, xz, yz] => (xx, yy, zz, xy, xz, yz),
+        _ => {
+            let message = format!("has {} numbers", m.inertia.len());
+            return Err(Wrong::new(message, "[xx, yy, zz] or [xx, yy, zz, xy, xz, yz]").key("inertia"));
+        }
+    };
+    let inertia = Mat3::from_columns(Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz));
+    let mass = MassProperties { mass: m.mass, center: Vec3::from_array(m.center), inertia };
+    // The engine names the fields mass, mass.center and mass.inertia; here they are keys of one object.
+    match BodyDesc::dynamic().mass(mass).check() {
+        Err(jounce::Error::BadValue { field, value, expected, .. }) => {
+            let key = field.rsplit('.').next().unwrap_or(field);
+            let value = if key == "inertia" { format!("{:?}", m.inertia) } else { value };
+            Err(Wrong::new(format!("is {value}"), expected).key(key))
+        }
+        other => other.map(|()| mass).map_err(Wrong::from),
+    }
+}
+
+/// "#rrggbb" as red, green, blue in 0…1 (sRGB, not linear).
+pub(crate) fn color(text: &str) -> Checked<[f32; 3]> {
+    let wrong = || Wrong::new(format!("is \"{text}\""), "a colour such as \"#3a86ff\"");
+    let hex = text.strip_prefix('#').filter(|h| h.len() == 6 && h.is_ascii()).ok_or_else(wrong)?;
+    let mut rgb = [0.0; 3];
+    for (k, c) in rgb.iter_mut().enumerate() {
+        *c = f32::from(u8::from_str_radix(&hex[2 * k..2 * k + 2], 16).map_err(|_| wrong())?) / 255.0;
+    }
+    Ok(rgb)
+}
+
+fn grid(r: &RepeatSpec, shapes: u64, census: &mut Census) -> Checked<Vec<Place>> {
+    let n = r.count.each();
+    let all = n[0].checked_mul(n[1]).and_then(|m| m.checked_mul(n[2]));
+    let limit = format!("at most {} bodies in a scene", limits::SCENE_BODIES_MAX);
+    match all {
+        Some(0) => return Err(Wrong::new(format!("is {n:?}"), "1 or more").key("count")),
+        Some(m) if m <= limits::SCENE_BODIES_MAX => {}
+        _ => return Err(Wrong::new(format!("is {n:?}"), limit).key("count")),
+    }
+    if r.step.iter().any(|s| s.abs() > f64::from(SIZE_MAX)) {
+        return Err(Wrong::new(format!("is {:?}", r.step), "within ±1e6 m").key("step"));
+    }
+    let turn = r.turn_deg.unwrap_or([0.0; 3]);
+    if turn.iter().any(|a| a.abs() > 360.0) {
+        return Err(Wrong::new(format!("is {turn:?}"), "within ±360 degrees").key("turn_deg"));
+    }
+    let mut cells = Vec::new();
+    for k in 0..n[2] {
+        for j in 0..n[1] {
+            let there = |i: u64| match r.pyramid {
+                None => true,
+                Some(PyramidSpec::X) => i + j < n[0],
+                Some(PyramidSpec::Xz) => i + j < n[0] && k + j < n[2],
+            };
+            cells.extend((0..n[0]).filter(|&i| there(i)).map(|i| [i, j, k]));
+        }
+    }
+    census.add(cells.len() as u64, shapes).key("count")?;
+    let places = cells.iter().enumerate().map(|(m, c)| {
+        let [i, j, k] = c.map(|x| x as f64);
+        let (lean_x, lean_z) = match r.pyramid {
+            None => (0.0, 0.0),
+            Some(PyramidSpec::X) => (0.5, 0.0),
+            Some(PyramidSpec::Xz) => (0.5, 0.5),
+        };
+        let step = r.step;
+        let position = DVec3::new((i + lean_x * j) * step[0], j * step[1], (k + lean_z * j) * step[2]);
+        let rotation = if turn == [0.0; 3] { Quat::IDENTITY } else { euler(turn.map(|a| a * m as f32)) };
+        jittered(r, m as u64, Place { position, rotation, ..Place::HERE })
+    });
+    Ok(places.collect())
+}
+
+fn jittered(r: &RepeatSpec, copy: u64, mut place: Place) -> Place {
+    if let Some(j) = &r.jitter {
+        let mut s = Stream::new(j.seed, copy);
+        place.position += s.around(j.position.unwrap_or([0.0; 3]));
+        let angles = s.around_f32(j.rotation_deg.unwrap_or([0.0; 3])).to_array();
+        if angles != [0.0; 3] {
+            place.rotation = (euler(angles) * place.rotation).normalize();
+        }
+    }
+    place
+}
+
+/// One entry of `scatter`.
+pub(crate) fn scatter(s: &ScatterSpec, library: &mut Library, census: &mut Census) -> Checked<Group> {
+    if s.bodies.is_empty() {
+        return Err(Wrong::new("is empty", "at least one template").key("bodies"));
+    }
+    let shapes = s.bodies.iter().map(|b| b.shapes.len() as u64).max().unwrap_or(0);
+    census.add(s.count, shapes).key("count")?;
+    let (lo, hi) = (DVec3::from_array(s.region.min), DVec3::from_array(s.region.max));
+    let ok = (hi - lo).min_component() >= 0.0
+        && lo.abs().max_component() <= 1e9
+        && hi.abs().max_component() <= 1e9;
+    if !ok {
+        let message = format!("runs from {:?} to {:?}", s.region.min, s.region.max);
+        return Err(Wrong::new(message, "min not above max, within ±1e9 m").key("box"));
+    }
+    let mut templates = Vec::new();
+    for (i, b) in s.bodies.iter().enumerate() {
+        if b.repeat.is_some() {
+            return Err(Wrong::new("is given in a scatter group", "`count` of the group instead")
+                .key("repeat")
+                .index(i)
+                .key("bodies"));
+        }
+        templates.push(template(b, library).index(i).key("bodies")?);
+    }
+    let places = scattered(s, lo, hi)?;
+    Ok(Group { name: s.name.clone(), templates, places, single: false })
+}
+
+fn scattered(s: &ScatterSpec, lo: DVec3, hi: DVec3) -> Checked<Vec<Place>> {
+    let apart = s.min_distance.unwrap_or(0.0);
+    if !(0.0..=1e6).contains(&apart) {
+        return Err(Wrong::new(format!("is {apart}"), "0 to 1e6 m").key("min_distance"));
+    }
+    let mut taken = Neighbors { cell: apart, apart, cells: HashMap::new() };
+    let mut places = Vec::with_capacity(s.count as usize);
+    for n in 0..s.count {
+        let mut random = Stream::new(s.seed, n);
+        let mut position = None;
+        for _ in 0..limits::SCATTER_TRIES_MAX {
+            let d = hi - lo;
+            let p = lo + DVec3::new(d.x * random.unit(), d.y * random.unit(), d.z * random.unit());
+            if apart == 0.0 || taken.put(p) {
+                position = Some(p);
+                break;
+            }
+        }
+        let Some(position) = position else {
+            let message = format!("the box has room for {n} of {} bodies", s.count);
+            return Err(Wrong::new(message, "a larger box or a smaller min_distance").key("min_distance"));
+        };
+        let rotation = match s.rotation.unwrap_or(ScatterRotationSpec::Any) {
+            ScatterRotationSpec::None => Quat::IDENTITY,
+            ScatterRotationSpec::Yaw => random.yaw(),
+            ScatterRotationSpec::Any => random.rotation(),
+        };
+        let velocity = random.around_f32(s.velocity.unwrap_or([0.0; 3]));
+        let angular_velocity = random.around_f32(s.angular_velocity.unwrap_or([0.0; 3]));
+        places.push(Place { position, rotation, velocity, angular_velocity });
+    }
+    Ok(places)
+}
+
+/// Points no closer than a distance, in cells of that size. The map is only looked up, never walked.
+struct Neighbors {
+    cell: f64,
+    apart: f64,
+    cells: HashMap<[i64; 3], Vec<DVec3>>,
+}
+
+impl Neighbors {
+    fn put(&mut self, p: DVec3) -> bool {
+        let key = |x: f64| (x / self.cell).floor() as i64;
+        let at = [key(p.x), key(p.y), key(p.z)];
+        for i in -1..=1 {
+            for j in -1..=1 {
+                for k in -1..=1 {
+                    let near = self.cells.get(&[
+                        at[0].saturating_add(i),
+                        at[1].saturating_add(j),
+                        at[2].saturating_add(k),
+                    ]);
+                    if near.is_some_and(|c| c.iter().any(|q| (p - *q).length() < self.apart)) {
+                        return false;
+                    }
+                }
+            }
+        }
+        self.cells.entry(at).or_default().push(p);
+        true
+    }
+}

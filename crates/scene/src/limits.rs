@@ -1,0 +1,38 @@
+//! Every bound of this crate. Reaching one is an error that names it.
+
+/// Largest scene file, bytes.
+pub const SCENE_BYTES_MAX: usize = 64 << 20;
+/// Largest mesh file (and largest buffer beside a glTF), bytes.
+pub const MESH_BYTES_MAX: u64 = 256 << 20;
+/// Deepest nesting of arrays and objects.
+pub const JSON_DEPTH_MAX: usize = 64;
+/// Most objects in one scene file (bounds memory: an object of three bytes may become a few hundred).
+pub const JSON_OBJECTS_MAX: usize = 1 << 17;
+/// Most values of any kind in one scene file.
+pub const JSON_VALUES_MAX: usize = 1 << 24;
+/// Longest string in a scene file, bytes.
+pub const JSON_STRING_MAX: usize = 4096;
+/// Most bodies of one scene, copies and timed spawns included.
+pub const SCENE_BODIES_MAX: u64 = 1 << 20;
+/// Most shapes of one scene, copies and timed spawns included.
+pub const SCENE_SHAPES_MAX: u64 = 1 << 21;
+/// Most entries a timeline may expand to.
+pub const TIMELINE_MAX: u64 = 1 << 20;
+/// Longest run, seconds of simulated time.
+pub const SECONDS_MAX: f64 = 1e7;
+/// Most corners of one polygon of a mesh file.
+pub const POLYGON_CORNERS_MAX: usize = 1024;
+/// Longest line of a text mesh, bytes.
+pub const MESH_LINE_MAX: usize = 1 << 16;
+/// Most material groups of one mesh.
+pub const MESH_GROUPS_MAX: usize = 1 << 12;
+/// A mesh may expand to this many bytes plus eight times its file (instances share data in glTF).
+pub const MESH_EXPANSION_BYTES: usize = 32 << 20;
+/// Most nodes of one glTF file.
+pub const GLTF_NODES_MAX: usize = 1 << 16;
+/// Draws of a scatter group before a place counts as full.
+pub const SCATTER_TRIES_MAX: u32 = 256;
+/// Most rows that probes and step times keep; beyond it every second row is dropped and the stride doubles.
+pub const ROWS_MAX: usize = 1 << 18;
+/// Most bytes of all mesh files of one scene.
+pub const MESH_TOTAL_BYTES: u64 = 1 << 30;

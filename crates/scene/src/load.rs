@@ -1,0 +1,181 @@
+//! A scene, read and checked.
+
+use crate::bodies::{Census, Group, Names, group, scatter};
+use crate::error::{Checked, SceneError, Under, Wrong};
+use crate::limits;
+use crate::mesh::MeshData;
+use crate::read::read;
+use crate::shapes::{Library, settings};
+use crate::spec::SceneSpec;
+use jounce::WorldDesc;
+use jounce::math::Vec3;
+use std::path::{Path, PathBuf};
+
+/// How to load a scene.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Folder that `assets:` names resolve in. A scene that needs it is skipped where it is absent.
+    pub assets: PathBuf,
+}
+
+impl Default for LoadOptions {
+    /// `../shared/assets`, beside the checkout.
+    fn default() -> Self {
+        Self { assets: PathBuf::from("../shared/assets") }
+    }
+}
+
+/// A scene file, read, checked and resolved: ready for any number of simulations.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(crate) name: String,
+    pub(crate) spec: SceneSpec,
+    pub(crate) world: WorldDesc,
+    pub(crate) groups: Vec<Group>,
+}
+
+impl Scene {
+    /// Reads a scene file and the meshes it names.
+    ///
+    /// # Errors
+    /// [`SceneError::Fault`] with the place of the first mistake; [`SceneError::Skipped`] where the scene needs an
+    /// assets folder that is absent; [`SceneError::File`] where the file cannot be read.
+    pub fn load(path: impl AsRef<Path>, options: &LoadOptions) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let file = path.display().to_string();
+        let wrong = |message: String| SceneError::File { file: file.clone(), message };
+        let meta = std::fs::metadata(path).map_err(|e| match e.kind() {
+            std::io::ErrorKind::NotFound => wrong("there is no such file; expected a scene".into()),
+            _ => wrong(format!("cannot be read: {e}")),
+        })?;
+        if !meta.is_file() || meta.len() > limits::SCENE_BYTES_MAX as u64 {
+            let limit = limits::SCENE_BYTES_MAX;
+            return Err(wrong(format!("is not a file of at most {limit} bytes; expected a scene")));
+        }
+        let bytes = std::fs::read(path).map_err(|e| wrong(format!("cannot be read: {e}")))?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            wrong(format!("is not UTF-8 at byte {}; expected a scene as JSON", e.utf8_error().valid_up_to()))
+        })?;
+        let here = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let name = path.file_stem().and_then(|s| s.to_str()).unwrap_or("scene");
+        Self::parse(&text, &file, name, &here, options)
+    }
+
+    /// Reads a scene from a text. `file` is for messages; meshes are relative to the current folder.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    #[allow(clippy::should_implement_trait)] // A scene also needs its name and options.
+    pub fn from_str(text: &str, file: &str, options: &LoadOptions) -> Result<Self, SceneError> {
+        Self::parse(text, file, "scene", Path::new(""), options)
+    }
+
+    fn parse(
+        text: &str,
+        file: &str,
+        name: &str,
+        here: &Path,
+        options: &LoadOptions,
+    ) -> Result<Self, SceneError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let spec = read(file, text)?;
+        resolve(spec, name, here, options).map_err(|w| w.locate(file, text))
+    }
+
+    /// The scene's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What the scene shows.
+    pub fn description(&self) -> Option<&str> {
+        self.spec.description.as_deref()
+    }
+
+    /// The file's content.
+    pub fn spec(&self) -> &SceneSpec {
+        &self.spec
+    }
+
+    /// Gravity, step and settings.
+    pub fn world_desc(&self) -> &WorldDesc {
+        &self.world
+    }
+
+    /// Bodies that are there from the start.
+    pub fn bodies(&self) -> usize {
+        self.groups.iter().map(Group::len).sum()
+    }
+}
+
+fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> Checked<Scene> {
+    let world = world_desc(&spec)?;
+    let mut census = Census::default();
+    let mut budget = limits::MESH_TOTAL_BYTES;
+    let read = |file: &str| read_mesh(file, here, options, &mut budget);
+    let mut library = Library::new(&spec.materials, &spec.meshes, read)?;
+    let mut names = Names::default();
+    let mut groups = Vec::new();
+    for (i, b) in spec.bodies.iter().enumerate() {
+        let g = group(b, &mut library, &mut census).index(i).key("bodies")?;
+        if let Some(name) = &g.name {
+            names.add(name, g.len() as u64).index(i).key("bodies")?;
+        }
+        groups.push(g);
+    }
+    for (i, s) in spec.scatter.iter().enumerate() {
+        let g = scatter(s, &mut library, &mut census).index(i).key("scatter")?;
+        if let Some(name) = &g.name {
+            names.add(name, g.len() as u64).index(i).key("scatter")?;
+        }
+        groups.push(g);
+    }
+    let name = spec.name.clone().unwrap_or_else(|| name.into());
+    Ok(Scene { name, world, groups, spec })
+}
+
+fn world_desc(spec: &SceneSpec) -> Checked<WorldDesc> {
+    let mut d = WorldDesc::default();
+    d.gravity = spec.gravity.map_or(d.gravity, Vec3::from_array);
+    d.rate_hz = spec.step.rate_hz.unwrap_or(d.rate_hz);
+    d.substeps = spec.step.substeps.unwrap_or(d.substeps);
+    d.settings = settings(&spec.settings);
+    d.settings.check().map_err(|e| Wrong::from(e).key("settings"))?;
+    d.check().map_err(|e| match &e {
+        jounce::Error::BadValue { field: "gravity", .. } => Wrong::from(e),
+        _ => Wrong::from(e).key("step"),
+    })?;
+    if let Some(s) = spec.seconds {
+        if !(s >= 0.0 && s <= limits::SECONDS_MAX) {
+            return Err(Wrong::new(format!("is {s}"), "0 to 1e7 s").key("seconds"));
+        }
+    }
+    Ok(d)
+}
+
+/// Reads a mesh named in a scene, from the assets folder or beside the scene.
+fn read_mesh(
+    file: &str,
+    here: &Path,
+    options: &LoadOptions,
+    budget: &mut u64,
+) -> Result<MeshData, SceneError> {
+    let path = match file.strip_prefix("assets:") {
+        Some(rest) => {
+            if !options.assets.is_dir() {
+                let folder = options.assets.display();
+                return Err(SceneError::Skipped(format!(
+                    "{file} needs the assets folder, and {folder} is not there"
+                )));
+            }
+            options.assets.join(rest)
+        }
+        None => here.join(file),
+    };
+    let size = std::fs::metadata(&path).map_or(0, |m| m.len());
+    *budget = budget.checked_sub(size).ok_or_else(|| SceneError::File {
+        file: path.display().to_string(),
+        message: format!("the meshes of the scene have more than {} bytes", limits::MESH_TOTAL_BYTES),
+    })?;
+    MeshData::load(&path)
+}

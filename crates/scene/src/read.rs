@@ -1,0 +1,104 @@
+//! From text to [`SceneSpec`], with every error at its place.
+
+use crate::error::{Checked, Fault, SceneError, Wrong, closest};
+use crate::json::{KeyPath, Position, Segment, scan};
+use crate::limits;
+use crate::spec::SceneSpec;
+use serde_path_to_error::Segment as Serde;
+
+/// Reads a scene file's text.
+pub(crate) fn read(file: &str, text: &str) -> Result<SceneSpec, SceneError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.len() > limits::SCENE_BYTES_MAX {
+        let message =
+            format!("the file has {} bytes; expected at most {}", text.len(), limits::SCENE_BYTES_MAX);
+        return Err(SceneError::File { file: file.into(), message });
+    }
+    scan(text).map_err(|r| {
+        SceneError::Fault(Box::new(Fault {
+            file: file.into(),
+            position: Some(Position::of(text, r.offset)),
+            key: r.path.to_string(),
+            message: r.message,
+            expected: r.expected,
+            suggestion: None,
+        }))
+    })?;
+    parse(text).map_err(|w| w.locate(file, text))
+}
+
+fn parse(text: &str) -> Checked<SceneSpec> {
+    let mut json = serde_json::Deserializer::from_str(text);
+    let spec: SceneSpec = serde_path_to_error::deserialize(&mut json).map_err(|e| explain(&e))?;
+    if spec.jounce != 1 {
+        return Err(Wrong::new(format!("version {}", spec.jounce), "1").key("jounce"));
+    }
+    Ok(spec)
+}
+
+/// Serde's message in the words of the scene file.
+fn explain(e: &serde_path_to_error::Error<serde_json::Error>) -> Wrong {
+    let path = KeyPath(
+        e.path()
+            .iter()
+            .filter_map(|s| match s {
+                Serde::Seq { index } => Some(Segment::Index(*index)),
+                Serde::Map { key } => Some(Segment::Key(key.clone())),
+                Serde::Enum { .. } | Serde::Unknown => None,
+            })
+            .collect(),
+    );
+    let whole = e.inner().to_string();
+    let message = whole.rsplit_once(" at line ").map_or(whole.as_str(), |(m, _)| m);
+    let (message, expected) = message.split_once(", expected ").unwrap_or((message, ""));
+    let names: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
+    if let Some(key) = quoted(message, "unknown field") {
+        let mut path = path;
+        if !matches!(path.0.last(), Some(Segment::Key(k)) if k == key) {
+            path.0.push(Segment::Key(key.into()));
+        }
+        let expected = format!("one of {}", names.join(", "));
+        return Wrong::at(path, "unknown key", expected).suggest(closest(key, names)).of_key();
+    }
+    if let Some(word) = quoted(message, "unknown variant") {
+        let expected = format!("one of {}", quote(&names));
+        return Wrong::at(path, format!("\"{word}\" is unknown"), expected).suggest(closest(word, names));
+    }
+    if let Some(key) = quoted(message, "missing field") {
+        return Wrong::at(path, format!("the key `{key}` is missing"), format!("`{key}`"));
+    }
+    Wrong::at(path, plain(message), plain(expected))
+}
+
+/// The word in backquotes after a phrase.
+fn quoted<'a>(message: &'a str, phrase: &str) -> Option<&'a str> {
+    message.strip_prefix(phrase)?.trim_start().strip_prefix('`')?.strip_suffix('`')
+}
+
+fn quote(names: &[&str]) -> String {
+    names.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// Rust's type names in the words of JSON.
+fn plain(text: &str) -> String {
+    let text = text
+        .replace("invalid type: ", "")
+        .replace("invalid value: ", "")
+        .replace("invalid length ", "an array of length ")
+        .replace("floating point", "number")
+        .replace("integer", "number")
+        .replace("a sequence", "an array")
+        .replace("sequence", "an array")
+        .replace("a map", "an object")
+        .replace("map", "an object")
+        .replace("boolean", "true or false:")
+        .replace("a boolean", "true or false");
+    match text.as_str() {
+        "f32" | "f64" => "a number".into(),
+        "u32" | "u64" | "usize" | "u128" => "a whole number, 0 or more".into(),
+        "i32" | "i64" => "a whole number".into(),
+        "true or false:" | "a true or false:" => "true or false".into(),
+        t if t.starts_with("struct ") => "an object".into(),
+        _ => text,
+    }
+}

@@ -1,0 +1,246 @@
+//! What happens, what is measured, what must come out, how it is shown.
+
+use super::BodySpec;
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
+/// `wake`, `sleep` and `enable`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimelineSpec {
+    /// When, s: acts before the first step that starts at or after this time.
+    pub at: f64,
+    /// Repeat with this period, s.
+    pub every: Option<f64>,
+    /// How often in all, with `every`. Default 1.
+    pub times: Option<u64>,
+    /// Adds bodies.
+    pub spawn: Option<Box<SpawnSpec>>,
+    /// Applies an impulse at once, or a force or torque for a while.
+    pub push: Option<Box<PushSpec>>,
+    /// Sets velocities.
+    pub set_velocity: Option<Box<SetVelocitySpec>>,
+    /// Removes bodies.
+    pub remove: Option<NamedSpec>,
+    /// Puts bodies somewhere at once.
+    pub teleport: Option<Box<PlaceSpec>>,
+    /// Moves kinematic bodies to a pose, pushing what is in the way.
+    pub move_to: Option<Box<PlaceSpec>>,
+    /// Sets the world's gravity.
+    pub set_gravity: Option<GravitySpec>,
+    /// Wakes bodies.
+    pub wake: Option<NamedSpec>,
+    /// Puts bodies to sleep.
+    pub sleep: Option<NamedSpec>,
+    /// Takes bodies into the simulation or out of it.
+    pub enable: Option<EnableSpec>,
+}
+
+/// Bodies to add.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SpawnSpec {
+    /// The bodies.
+    pub bodies: Vec<BodySpec>,
+}
+
+/// A push on bodies.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PushSpec {
+    /// Name of one or many bodies.
+    pub body: String,
+    /// Impulse at once, N s.
+    pub impulse: Option<[f32; 3]>,
+    /// Angular impulse at once, N m s.
+    pub angular_impulse: Option<[f32; 3]>,
+    /// Force, N, over `duration`.
+    pub force: Option<[f32; 3]>,
+    /// Torque, N m, over `duration`.
+    pub torque: Option<[f32; 3]>,
+    /// How long force and torque act, s. Default one step.
+    pub duration: Option<f64>,
+    /// World point that the impulse or force acts at. Default the centre of mass.
+    pub at_point: Option<[f64; 3]>,
+}
+
+/// New velocities.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SetVelocitySpec {
+    /// Name of one or many bodies.
+    pub body: String,
+    /// m/s.
+    pub velocity: Option<[f32; 3]>,
+    /// rad/s.
+    pub angular_velocity: Option<[f32; 3]>,
+}
+
+/// Bodies by name.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NamedSpec {
+    /// Name of one or many bodies.
+    pub body: String,
+}
+
+/// A pose for bodies.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceSpec {
+    /// Name of one or many bodies.
+    pub body: String,
+    /// m. Default: where it is.
+    pub position: Option<[f64; 3]>,
+    /// Degrees about fixed x, then y, then z. Default: as it is.
+    pub rotation_deg: Option<[f32; 3]>,
+    /// Quaternion x, y, z, w.
+    pub rotation: Option<[f32; 4]>,
+    /// `move_to`: how long the way takes, s. Default one step.
+    pub duration: Option<f64>,
+}
+
+/// New gravity.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GravitySpec {
+    /// m/s².
+    pub gravity: [f32; 3],
+}
+
+/// Takes bodies in or out.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EnableSpec {
+    /// Name of one or many bodies.
+    pub body: String,
+    /// In or out.
+    pub enabled: bool,
+}
+
+/// A number sampled every step: exactly one of `body` with `value`, `world`, `sensor`, and `events`.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ProbeSpec {
+    /// Name of a body, or of many with `aggregate`. With `events`: counts only events of these bodies.
+    pub body: Option<String>,
+    /// What of the body: position.x|y|z, center.x|y|z, velocity.x|y|z, angular_velocity.x|y|z, momentum.x|y|z, speed,
+    /// angular_speed, height (against gravity), tilt (degrees between the body's y axis and up), angle (degrees from the
+    /// rotation at the start), distance (from the place at the start), kinetic_energy, potential_energy, energy, mass,
+    /// awake, contacts, normal_force, friction_force.
+    pub value: Option<String>,
+    /// How many bodies become one number.
+    pub aggregate: Option<AggregateSpec>,
+    /// Of the whole world: energy, kinetic_energy, potential_energy, momentum.x|y|z, angular_momentum.x|y|z, bodies,
+    /// awake, shapes, contacts, touching.
+    pub world: Option<String>,
+    /// Name of a body with sensor shapes: how many shapes are inside.
+    pub sensor: Option<String>,
+    /// Counts events of a kind since the start.
+    pub events: Option<EventSpec>,
+}
+
+/// How many bodies become one number.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AggregateSpec {
+    /// Smallest.
+    Min,
+    /// Largest.
+    Max,
+    /// Mean.
+    Mean,
+    /// Sum.
+    Sum,
+    /// Largest less smallest.
+    Spread,
+    /// How many are below.
+    CountBelow(f64),
+    /// How many are above.
+    CountAbove(f64),
+}
+
+/// Kinds of events.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EventSpec {
+    /// Two shapes began to touch.
+    ContactBegin,
+    /// Two shapes no longer touch.
+    ContactEnd,
+    /// Two shapes met fast.
+    ContactHit,
+    /// A shape entered a sensor.
+    SensorEnter,
+    /// A shape left a sensor.
+    SensorLeave,
+    /// A body fell asleep.
+    Sleep,
+    /// A body woke up.
+    Wake,
+    /// A body was taken out because its state was no longer finite.
+    Quarantine,
+    /// A bound was reached inside a step.
+    LimitReached,
+}
+
+/// What a probe must show.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ExpectSpec {
+    /// Name for the report.
+    pub name: String,
+    /// Name of a probe.
+    pub probe: String,
+    /// When, s; compared after the step that ends nearest to this time.
+    pub at: f64,
+    /// `min` and `max` hold at every step from this time to `at`, s.
+    pub from: Option<f64>,
+    /// Right number, with `tolerance`.
+    pub value: Option<f64>,
+    /// Largest accepted difference from `value`. Default 0.
+    pub tolerance: Option<f64>,
+    /// Smallest accepted number.
+    pub min: Option<f64>,
+    /// Largest accepted number.
+    pub max: Option<f64>,
+    /// Where the number comes from: a law, a measurement, a formula of the method.
+    pub source: Option<String>,
+}
+
+/// Where pictures are taken from.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSpec {
+    /// m.
+    pub position: [f64; 3],
+    /// Point in the middle of the picture, m. Default [0, 0, 0].
+    pub target: Option<[f64; 3]>,
+    /// Vertical field of view, degrees. Default 45.
+    pub fov_deg: Option<f32>,
+    /// Up. Default [0, 1, 0].
+    pub up: Option<[f32; 3]>,
+    /// Name of a body: camera and target move along with it.
+    pub follow: Option<String>,
+    /// Turn about the target, degrees per second.
+    pub orbit_deg_per_s: Option<f32>,
+}
+
+/// How pictures look.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RenderSpec {
+    /// Colour of the background, "#rrggbb".
+    pub background: Option<String>,
+    /// Draw lines of one metre on fixed ground. Default true.
+    pub ground_grid: Option<bool>,
+    /// Colour of the ground, "#rrggbb".
+    pub ground_color: Option<String>,
+    /// Direction towards the sun.
+    pub sun: Option<[f32; 3]>,
+    /// Brightness of the sun, 0 to 4. Default 1.
+    pub sun_strength: Option<f32>,
+    /// Draw outlines of sensors. Default false.
+    pub sensors: Option<bool>,
+}
