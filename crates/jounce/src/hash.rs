@@ -26,8 +26,10 @@ impl StateHasher {
     /// Folds in one word.
     #[inline(always)]
     pub fn word(&mut self, w: u64) {
-        let a = u128::from(self.state ^ w ^ 0xa076_1d64_78bd_642f) * u128::from(w.rotate_left(32) ^ 0xe703_7ed1_a0b4_28db);
-        self.state = (a as u64) ^ ((a >> 64) as u64) ^ self.state.rotate_left(23).wrapping_mul(0x8ebc_6af0_9c88_c6e3);
+        let a = u128::from(self.state ^ w ^ 0xa076_1d64_78bd_642f)
+            * u128::from(w.rotate_left(32) ^ 0xe703_7ed1_a0b4_28db);
+        self.state =
+            (a as u64) ^ ((a >> 64) as u64) ^ self.state.rotate_left(23).wrapping_mul(0x8ebc_6af0_9c88_c6e3);
     }
     /// Two `u32`.
     #[inline(always)]

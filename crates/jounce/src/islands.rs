@@ -175,7 +175,9 @@ impl World {
     pub(crate) fn unlink_contact(&mut self, id: u32) {
         let c = match self.places[id as usize] {
             ContactPlace::Free => return,
-            ContactPlace::Awake(row) => take_row(&mut self.contacts, &mut self.places, row, ContactPlace::Awake),
+            ContactPlace::Awake(row) => {
+                take_row(&mut self.contacts, &mut self.places, row, ContactPlace::Awake)
+            }
             ContactPlace::Asleep(row) => {
                 take_row(&mut self.asleep_contacts, &mut self.places, row, ContactPlace::Asleep)
             }
@@ -221,7 +223,12 @@ impl World {
             let all = self.contacts.iter().chain(&self.asleep_contacts);
             all.filter(|c| of_shape(c)).map(|c| c.id).collect()
         } else {
-            self.bodies[body].contacts.iter().copied().filter(|&id| self.contact(id).is_some_and(of_shape)).collect()
+            self.bodies[body]
+                .contacts
+                .iter()
+                .copied()
+                .filter(|&id| self.contact(id).is_some_and(of_shape))
+                .collect()
         };
         ids.sort_unstable();
         for id in ids {
@@ -255,7 +262,12 @@ impl World {
     }
 }
 
-fn take_row(rows: &mut Vec<Contact>, places: &mut [ContactPlace], row: u32, place: fn(u32) -> ContactPlace) -> Contact {
+fn take_row(
+    rows: &mut Vec<Contact>,
+    places: &mut [ContactPlace],
+    row: u32,
+    place: fn(u32) -> ContactPlace,
+) -> Contact {
     let c = rows.swap_remove(row as usize);
     if let Some(moved) = rows.get(row as usize) {
         places[moved.id as usize] = place(row);

@@ -61,8 +61,8 @@ pub use jounce_tasks as tasks;
 /// What most programs need.
 pub mod prelude {
     pub use crate::{
-        Advance, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, Event, Filter, Material, QueryFilter, Ray, ShapeDesc,
-        ShapeId, World, WorldDesc,
+        Advance, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, Event, Filter, Material, QueryFilter, Ray,
+        ShapeDesc, ShapeId, World, WorldDesc,
     };
     pub use jounce_geometry::Shape;
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};

@@ -45,14 +45,26 @@ pub struct QueryFilter<'a> {
 
 impl Default for QueryFilter<'_> {
     fn default() -> Self {
-        Self { layers: u32::MAX, exclude: None, fixed: true, kinematic: true, dynamic: true, sensors: false, predicate: None }
+        Self {
+            layers: u32::MAX,
+            exclude: None,
+            fixed: true,
+            kinematic: true,
+            dynamic: true,
+            sensors: false,
+            predicate: None,
+        }
     }
 }
 
 impl fmt::Debug for QueryFilter<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let kinds = (self.fixed, self.kinematic, self.dynamic, self.sensors);
-        f.debug_struct("QueryFilter").field("layers", &self.layers).field("exclude", &self.exclude).field("kinds", &kinds).finish()
+        f.debug_struct("QueryFilter")
+            .field("layers", &self.layers)
+            .field("exclude", &self.exclude)
+            .field("kinds", &kinds)
+            .finish()
     }
 }
 

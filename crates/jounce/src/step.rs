@@ -58,7 +58,21 @@ impl Stage {
     ];
     /// Name for tables.
     pub fn name(self) -> &'static str {
-        ["commands", "forces", "broad phase", "narrow phase", "islands", "seams", "prepare", "substeps", "finish", "guard", "continuous", "sleep", "publish"][self as usize]
+        [
+            "commands",
+            "forces",
+            "broad phase",
+            "narrow phase",
+            "islands",
+            "seams",
+            "prepare",
+            "substeps",
+            "finish",
+            "guard",
+            "continuous",
+            "sleep",
+            "publish",
+        ][self as usize]
     }
 }
 

@@ -33,10 +33,6 @@ impl<T> Table<T> {
         self.entries.push(Entry { generation: 1, value: Some(value) });
         (index, 1)
     }
-    /// The index that the next insertion will use.
-    pub fn next_index(&self) -> u32 {
-        self.free.last().copied().unwrap_or(self.entries.len() as u32)
-    }
     pub fn remove(&mut self, index: u32) -> Option<T> {
         let e = self.entries.get_mut(index as usize)?;
         let value = e.value.take()?;
@@ -57,15 +53,8 @@ impl<T> Table<T> {
     pub fn get(&self, index: u32) -> Option<&T> {
         self.entries.get(index as usize).and_then(|e| e.value.as_ref())
     }
-    pub fn get_mut(&mut self, index: u32) -> Option<&mut T> {
-        self.entries.get_mut(index as usize).and_then(|e| e.value.as_mut())
-    }
     pub fn len(&self) -> usize {
         self.live
-    }
-    /// Number of slots, live or free: every index is below it.
-    pub fn slots(&self) -> usize {
-        self.entries.len()
     }
     /// Live entries in slot order.
     pub fn iter(&self) -> impl Iterator<Item = (u32, &T)> {

@@ -40,9 +40,15 @@ impl World {
         }
         for (rows, asleep) in [(&self.contacts, false), (&self.asleep_contacts, true)] {
             for (row, c) in rows.iter().enumerate() {
-                let place = if asleep { ContactPlace::Asleep(row as u32) } else { ContactPlace::Awake(row as u32) };
+                let place =
+                    if asleep { ContactPlace::Asleep(row as u32) } else { ContactPlace::Awake(row as u32) };
                 assert_eq!(self.places[c.id as usize], place, "place of contact {}", c.id);
-                assert_eq!(self.pairs.get(pair_key(c.shape_a, c.shape_b)), Some(c.id), "pair of contact {}", c.id);
+                assert_eq!(
+                    self.pairs.get(pair_key(c.shape_a, c.shape_b)),
+                    Some(c.id),
+                    "pair of contact {}",
+                    c.id
+                );
                 let awake = self.bodies[c.body_a].row != NONE || self.bodies[c.body_b].row != NONE;
                 assert_eq!(awake, !asleep, "contact {} sleeps exactly when no body of it is awake", c.id);
             }

@@ -167,7 +167,10 @@ impl World {
     /// The queue is full.
     pub fn queue(&mut self, command: Command) -> Result<()> {
         if self.queue.len() >= crate::limits::COMMAND_QUEUE_MAX {
-            return Err(Error::Limit { what: "commands in the queue", limit: crate::limits::COMMAND_QUEUE_MAX });
+            return Err(Error::Limit {
+                what: "commands in the queue",
+                limit: crate::limits::COMMAND_QUEUE_MAX,
+            });
         }
         self.queue.push(command);
         Ok(())
@@ -230,7 +233,8 @@ impl World {
             let (v, w) = self.velocities(b);
             let m = f64::from(b.mass.mass);
             let local = f.rotation.as_dquat().normalize().inverse_rotate(w.as_dvec3());
-            e.kinetic += 0.5 * m * v.as_dvec3().length_squared() + 0.5 * local.dot(b.mass.inertia.as_dmat3() * local);
+            e.kinetic +=
+                0.5 * m * v.as_dvec3().length_squared() + 0.5 * local.dot(b.mass.inertia.as_dmat3() * local);
             e.potential -= m * f64::from(b.gravity_scale) * self.gravity.as_dvec3().dot(f.center);
         }
         e

@@ -76,11 +76,12 @@ fn meet(world: &World, s: u32, other: u32) -> f32 {
     let (fb, fa) = (&world.frames[rb.body as usize], &world.frames[ra.body as usize]);
     let slop = world.settings.slop();
     let target = f32s::min(0.5 * slop, 0.05 * f32s::min(rb.thickness, ra.thickness));
-    let at = |ca: jounce_math::DVec3, qa: jounce_math::Quat, cb: jounce_math::DVec3, qb: jounce_math::Quat| {
-        let a = WorldPose::new(ca - qa.rotate(fa.local_center).as_dvec3(), qa).compose(&ra.pose);
-        let b = WorldPose::new(cb - qb.rotate(fb.local_center).as_dvec3(), qb).compose(&rb.pose);
-        a.relative(&b)
-    };
+    let at =
+        |ca: jounce_math::DVec3, qa: jounce_math::Quat, cb: jounce_math::DVec3, qb: jounce_math::Quat| {
+            let a = WorldPose::new(ca - qa.rotate(fa.local_center).as_dvec3(), qa).compose(&ra.pose);
+            let b = WorldPose::new(cb - qb.rotate(fb.local_center).as_dvec3(), qb).compose(&rb.pose);
+            a.relative(&b)
+        };
     let start = at(fa.center0, fa.rotation0, fb.center0, fb.rotation0);
     let end = at(fa.center, fa.rotation, fb.center, fb.rotation);
     let local_center = rb.pose.inverse_transform_point(fb.local_center);

@@ -41,8 +41,6 @@ pub(crate) struct Scratch {
     pub candidates: Vec<Vec<u64>>,
     pub keys: Vec<u64>,
     pub ends: Vec<u32>,
-    /// Per awake row: what the last finish found out about it.
-    pub flags: Vec<u8>,
     pub parent: Vec<u32>,
 }
 

@@ -185,7 +185,8 @@ fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
 
 fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
-    let speed = |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
+    let speed =
+        |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
     let (pa, pb) = (fa.rotation.rotate(m.points[0].on_a), fb.rotation.rotate(m.points[0].on_b));
     let n = fa.rotation.rotate(m.normal);
     let v = speed(fb.row, pb) - speed(fa.row, pa) - m.surface.velocity;
@@ -206,7 +207,8 @@ fn surface(ra: &ShapeRecord, rb: &ShapeRecord, m: &Manifold, qa: Quat, qb: Quat)
     let f = Combine::of(a.friction_combine, b.friction_combine);
     let e = Combine::of(a.restitution_combine, b.restitution_combine);
     // A belt that runs along +x carries what lies on it along +x.
-    let velocity = qa.rotate(ra.pose.q.rotate(a.surface_velocity)) - qb.rotate(rb.pose.q.rotate(b.surface_velocity));
+    let velocity =
+        qa.rotate(ra.pose.q.rotate(a.surface_velocity)) - qb.rotate(rb.pose.q.rotate(b.surface_velocity));
     Surface {
         static_friction: f.apply(a.static_friction, b.static_friction),
         kinetic_friction: f.apply(a.kinetic_friction, b.kinetic_friction),
@@ -217,7 +219,11 @@ fn surface(ra: &ShapeRecord, rb: &ShapeRecord, m: &Manifold, qa: Quat, qb: Quat)
     }
 }
 
-fn ask_hook(world: &World, c: &mut Contact, hook: &(dyn Fn(&ContactView, &mut Surface) -> bool + Send + Sync)) {
+fn ask_hook(
+    world: &World,
+    c: &mut Contact,
+    hook: &(dyn Fn(&ContactView, &mut Surface) -> bool + Send + Sync),
+) {
     if c.manifold.count == 0 {
         return;
     }
@@ -227,7 +233,8 @@ fn ask_hook(world: &World, c: &mut Contact, hook: &(dyn Fn(&ContactView, &mut Su
         bodies: [world.body_id(c.body_a), world.body_id(c.body_b)],
         user_data: [world.bodies[c.body_a].user_data, world.bodies[c.body_b].user_data],
     };
-    let speed = |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
+    let speed =
+        |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
     let part = |s: u32| (s != NONE).then_some(s);
     let keep = |m: &mut ContactManifold| {
         let deepest =

@@ -46,7 +46,9 @@ fn hits(world: &mut World) {
     let threshold = world.settings.hit_event_speed;
     for row in 0..world.contacts.len() {
         let c = &world.contacts[row];
-        if c.hit_speed >= threshold && (world.shapes[c.shape_a].hit_events || world.shapes[c.shape_b].hit_events) {
+        if c.hit_speed >= threshold
+            && (world.shapes[c.shape_a].hit_events || world.shapes[c.shape_b].hit_events)
+        {
             let event = hit(world, c);
             world.events.push(event);
         }

@@ -49,7 +49,11 @@ fn body(world: &mut World, slot: u32) {
     let patches = gather(world, slot);
     for m in &patches {
         let face = patches.iter().find(|f| {
-            (f.row, f.index) != (m.row, m.index) && f.face && f.normal.dot(m.normal) < 0.9998 && lies_on(m, f) && (!m.face || !lies_on(f, m))
+            (f.row, f.index) != (m.row, m.index)
+                && f.face
+                && f.normal.dot(m.normal) < 0.9998
+                && lies_on(m, f)
+                && (!m.face || !lies_on(f, m))
         });
         if let Some(f) = face {
             adopt(world, m, f.normal);

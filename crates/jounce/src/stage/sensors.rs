@@ -43,7 +43,12 @@ fn visitors(world: &World, sensor: u32) -> Vec<(u32, u32)> {
         true
     };
     if r.place == Place::Unbounded {
-        let all: Vec<u32> = world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_))).map(|(i, _)| i).collect();
+        let all: Vec<u32> = world
+            .shapes
+            .iter()
+            .filter(|(_, o)| matches!(o.place, Place::MovingTree(_)))
+            .map(|(i, _)| i)
+            .collect();
         all.into_iter().for_each(|i| {
             see(i);
         });

@@ -48,7 +48,8 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
         let mut fastest = 0.0;
         for m in c.manifolds_mut() {
             let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
-            let (block, lane) = if color == ColorSets::COLORS { (row, 0) } else { (row / LANES, row % LANES) };
+            let (block, lane) =
+                if color == ColorSets::COLORS { (row, 0) } else { (row / LANES, row % LANES) };
             let hit = finish::store(m, &shared.scratch.blocks[color][block], lane, &a, &b, stick_speed);
             fastest = f32s::max(fastest, hit);
         }
@@ -101,13 +102,21 @@ fn sweep(world: &mut World, f: impl Fn(&mut Block, usize, &mut BodyState, &mut B
         if blocks.is_empty() {
             continue;
         }
-        scratch.colors.scatter(color, &world.tasks, LANES, states, BodyState::FIXED, blocks, |access, rows, block| {
-            for (l, row) in rows.enumerate() {
-                let (mut a, mut b) = access.load(row);
-                f(block, l, &mut a, &mut b);
-                access.store(row, a, b);
-            }
-        });
+        scratch.colors.scatter(
+            color,
+            &world.tasks,
+            LANES,
+            states,
+            BodyState::FIXED,
+            blocks,
+            |access, rows, block| {
+                for (l, row) in rows.enumerate() {
+                    let (mut a, mut b) = access.load(row);
+                    f(block, l, &mut a, &mut b);
+                    access.store(row, a, b);
+                }
+            },
+        );
     }
     let overflow = &mut scratch.blocks[ColorSets::COLORS];
     scratch.colors.scatter_overflow(states, BodyState::FIXED, overflow, |access, row, block| {

@@ -17,7 +17,14 @@ use crate::room::rigid::state::BodyState;
 use jounce_math::{Vec3, scalar::f32s};
 
 /// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
-pub(crate) fn store(m: &mut ContactManifold, block: &Block, l: usize, a: &BodyState, b: &BodyState, stick_speed: f32) -> f32 {
+pub(crate) fn store(
+    m: &mut ContactManifold,
+    block: &Block,
+    l: usize,
+    a: &BodyState,
+    b: &BodyState,
+    stick_speed: f32,
+) -> f32 {
     let l = l % LANES;
     let (mut bound, mut hit) = (0.0, 0.0);
     for (p, rows) in m.points.iter_mut().zip(&block.points).take(usize::from(m.count)) {

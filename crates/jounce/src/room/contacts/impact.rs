@@ -26,7 +26,13 @@ struct Impact {
 }
 
 /// Resolves clusters of impacts; gives false when the rounds ran out.
-pub(crate) fn resolve(contacts: &[Contact], frames: &[BodyFrame], awake: &mut Awake, threshold: f32, dt: f32) -> bool {
+pub(crate) fn resolve(
+    contacts: &[Contact],
+    frames: &[BodyFrame],
+    awake: &mut Awake,
+    threshold: f32,
+    dt: f32,
+) -> bool {
     let mut list: Vec<Impact> = Vec::new();
     let mut any_fast = false;
     for c in contacts.iter().filter(|c| c.touching) {
@@ -39,7 +45,15 @@ pub(crate) fn resolve(contacts: &[Contact], frames: &[BodyFrame], awake: &mut Aw
             for p in m.points.iter().take(usize::from(m.count)) {
                 let ra = fa.rotation.rotate(p.on_a);
                 let rb = fb.rotation.rotate(p.on_b);
-                let i = Impact { rows: [fa.row, fb.row], normal, ra, rb, mass: 0.0, restitution: m.surface.restitution, hit: false };
+                let i = Impact {
+                    rows: [fa.row, fb.row],
+                    normal,
+                    ra,
+                    rb,
+                    mass: 0.0,
+                    restitution: m.surface.restitution,
+                    hit: false,
+                };
                 let vn = approach(&i, awake);
                 // Touching now, or reached within the step.
                 if p.separation + f32s::min(vn, 0.0) * dt > 0.0 && p.separation > 1e-4 {

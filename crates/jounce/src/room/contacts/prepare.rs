@@ -72,7 +72,9 @@ impl Side {
                 inertia: awake.inertia[frame.row as usize],
                 acceleration: awake.step[frame.row as usize].acceleration,
             },
-            None => Self { state: BodyState::FIXED, inertia: InvInertia::default(), acceleration: Vec3::ZERO },
+            None => {
+                Self { state: BodyState::FIXED, inertia: InvInertia::default(), acceleration: Vec3::ZERO }
+            }
         }
     }
 }
@@ -91,7 +93,15 @@ pub(crate) fn impact_speed(approach: f32, acceleration: f32, gap: f32, h: f32) -
 }
 
 /// Fills one lane of a block from a manifold.
-pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, m: &ContactManifold, frames: &[BodyFrame], awake: &Awake, k: &StepConstants) {
+pub(crate) fn fill(
+    block: &mut Block,
+    l: usize,
+    c: &Contact,
+    m: &ContactManifold,
+    frames: &[BodyFrame],
+    awake: &Awake,
+    k: &StepConstants,
+) {
     let (fa, fb) = (&frames[c.body_a as usize], &frames[c.body_b as usize]);
     let (a, b) = (Side::of(awake, fa), Side::of(awake, fb));
     let normal = fa.rotation.rotate(m.normal);
@@ -112,7 +122,16 @@ pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, m: &ContactManifold
 }
 
 /// The points; gives the friction centre relative to A.
-fn fill_points(block: &mut Block, l: usize, m: &ContactManifold, normal: Vec3, f: [&BodyFrame; 2], sides: [&Side; 2], d: Vec3, k: &StepConstants) -> Vec3 {
+fn fill_points(
+    block: &mut Block,
+    l: usize,
+    m: &ContactManifold,
+    normal: Vec3,
+    f: [&BodyFrame; 2],
+    sides: [&Side; 2],
+    d: Vec3,
+    k: &StepConstants,
+) -> Vec3 {
     let [a, b] = sides;
     let acceleration = -normal.dot(b.acceleration - a.acceleration);
     let (mut center, mut weights) = (Vec3::ZERO, 0.0);
@@ -132,7 +151,9 @@ fn fill_points(block: &mut Block, l: usize, m: &ContactManifold, normal: Vec3, f
         rows.mass[l] = mass;
         rows.impulse[l] = p.impulse * k.warm;
         rows.total[l] = 0.0;
-        let vn = normal.dot(b.state.v - a.state.v) + ra.cross(normal).dot(-a.state.w) + rb.cross(normal).dot(b.state.w);
+        let vn = normal.dot(b.state.v - a.state.v)
+            + ra.cross(normal).dot(-a.state.w)
+            + rb.cross(normal).dot(b.state.w);
         rows.rebound[l] = 0.0;
         rows.approach[l] = -vn;
         if m.surface.restitution > 0.0 && vn < 0.0 {
@@ -179,7 +200,16 @@ fn set_jacobian(j: &mut Jacobian, l: usize, dir: Vec3, ra: Vec3, rb: Vec3, a: &S
     if k > 0.0 { 1.0 / k } else { 0.0 }
 }
 
-fn fill_friction(block: &mut Block, l: usize, m: &ContactManifold, axes: [Vec3; 3], center: Vec3, sides: [&Side; 2], d: Vec3, k: &StepConstants) {
+fn fill_friction(
+    block: &mut Block,
+    l: usize,
+    m: &ContactManifold,
+    axes: [Vec3; 3],
+    center: Vec3,
+    sides: [&Side; 2],
+    d: Vec3,
+    k: &StepConstants,
+) {
     let [normal, t1, t2] = axes;
     let [a, b] = sides;
     let (ra, rb) = (center, center - d);

@@ -5,7 +5,15 @@ use super::state::{BodyFrame, BodyState, BodyStep, InvInertia, Mass};
 use jounce_math::{Vec3, scalar::f32s};
 
 /// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point.
-pub(crate) fn finish(s: &BodyState, b: &mut BodyStep, i: &mut InvInertia, f: &mut BodyFrame, mass: &Mass, can_sleep: bool, dt: f32) {
+pub(crate) fn finish(
+    s: &BodyState,
+    b: &mut BodyStep,
+    i: &mut InvInertia,
+    f: &mut BodyFrame,
+    mass: &Mass,
+    can_sleep: bool,
+    dt: f32,
+) {
     f.center = f.center0 + s.dp.as_dvec3();
     f.rotation = (s.dq * f.rotation0).normalize();
     if let (BodyKind::Kinematic, Some(target)) = (b.kind, b.target.take()) {

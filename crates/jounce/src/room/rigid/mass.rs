@@ -46,7 +46,10 @@ pub(crate) fn sum<'a>(shapes: impl Iterator<Item = &'a ShapeRecord>) -> Option<M
 }
 
 /// The solver's form. A body without mass neither falls nor is pushed.
-pub(crate) fn prepare<'a>(body: &Body, shapes: impl Iterator<Item = &'a ShapeRecord> + Clone) -> (Mass, Vec3) {
+pub(crate) fn prepare<'a>(
+    body: &Body,
+    shapes: impl Iterator<Item = &'a ShapeRecord> + Clone,
+) -> (Mass, Vec3) {
     let props = body.mass_override.or_else(|| sum(shapes.clone()));
     let center = match (&props, body.kind) {
         (Some(p), BodyKind::Dynamic) => p.center,

@@ -46,7 +46,13 @@ pub(crate) fn integrate_velocity(s: &mut BodyState, b: &BodyStep, i: &InvInertia
 
 /// Velocities to positions, with locks and speed limits; bodies with unequal moments turn torque-free.
 #[inline(always)]
-pub(crate) fn integrate_position(s: &mut BodyState, b: &mut BodyStep, bodies: &crate::table::Table<Body>, frames: &[BodyFrame], sub: &Substep) {
+pub(crate) fn integrate_position(
+    s: &mut BodyState,
+    b: &mut BodyStep,
+    bodies: &crate::table::Table<Body>,
+    frames: &[BodyFrame],
+    sub: &Substep,
+) {
     if b.locks != 0 {
         apply_locks(s, b.locks);
     }
