@@ -1,7 +1,10 @@
 //! Convex hulls of kind and of hostile points.
 
 use jounce_geometry::{GeometryError, Hull, Shape, limits};
-use jounce_math::{Quat, Vec3};
+use jounce_math::{
+    Quat, Vec3,
+    scalar::{f32s, f64s},
+};
 
 /// A seeded generator of plain uniform numbers.
 struct Random(u64);
@@ -38,8 +41,8 @@ impl Random {
 fn check_holds(hull: &Hull, points: &[Vec3]) {
     hull.validate().unwrap();
     let extent = (hull.aabb().max - hull.aabb().min).max_component();
-    let largest = points.iter().fold(0.0f32, |m, p| m.max(p.abs().max_component()));
-    let tolerance = 40.0 * f64::max(2e-6 * f64::from(extent), 4.0 * f64::from(f32::EPSILON * largest));
+    let largest = points.iter().fold(0.0f32, |m, p| f32s::max(p.abs().max_component(), m));
+    let tolerance = 40.0 * f64s::max(2e-6 * f64::from(extent), 4.0 * f64::from(f32::EPSILON * largest));
     let truncated = hull.vertices().len() == limits::HULL_VERTICES_MAX;
     for p in points {
         for f in hull.faces() {
@@ -105,7 +108,7 @@ fn round_bodies_keep_their_vertices_up_to_the_limit() {
         if n >= 250 {
             let farthest =
                 points.iter().flat_map(|p| hull.faces().iter().map(|f| f.normal.dot(*p) - f.offset));
-            assert!(farthest.fold(0.0, f32::max) < 0.05);
+            assert!(farthest.fold(0.0, f32s::max) < 0.05);
         }
     }
 }
@@ -162,7 +165,7 @@ fn hostile(r: &mut Random) -> Vec<Vec3> {
                 3 => r.direction(),
                 4 => {
                     let a = (i / 2) as f32 * 12.566_371 / n as f32;
-                    Vec3::new(a.cos(), if i % 2 == 0 { 1.0 } else { -1.0 }, a.sin())
+                    Vec3::new(f32s::cos(a), if i % 2 == 0 { 1.0 } else { -1.0 }, f32s::sin(a))
                 }
                 5 => {
                     let mut p = r.vec();
