@@ -1,6 +1,6 @@
 //! What two touching shapes tell the solver.
 
-use crate::pairs::Scratch;
+use crate::pairs::{MeshScratch, Scratch};
 use jounce_math::Vec3;
 
 /// `sub_a`/`sub_b` of a shape that has no parts.
@@ -75,6 +75,7 @@ pub struct ManifoldSet {
     /// The result: no manifold when the shapes are farther apart than the margin.
     pub manifolds: Vec<Manifold>,
     pub(crate) scratch: Scratch,
+    pub(crate) mesh: MeshScratch,
 }
 
 impl ManifoldSet {

@@ -1,3 +1,5 @@
 //! Builders of shapes with data.
 pub mod hull;
+mod merge;
 pub mod mesh;
+mod quickhull;

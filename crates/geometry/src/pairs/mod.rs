@@ -4,19 +4,25 @@
 
 mod box_box;
 mod capsule;
+mod compound;
 mod feature;
 mod general;
 mod half_space;
 mod hull_hull;
+mod mesh;
 mod poly;
 mod reduce;
 mod sphere;
+mod surface;
 
+use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::{Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache, Shape};
 use feature::Convex;
 pub(crate) use general::Scratch;
 use half_space::Plane;
 use jounce_math::{Pose, Vec3};
+pub(crate) use mesh::MeshScratch;
+use surface::Surface;
 
 /// A manifold of one point.
 pub(crate) fn one_point(normal: Vec3, point: Vec3, separation: f32, feature: u32, faces: u8) -> Manifold {
@@ -56,28 +62,64 @@ pub fn collide(
     if !b_in_a.is_finite() {
         return;
     }
+    let ManifoldSet { manifolds, scratch, mesh } = out;
+    append(a, b, b_in_a, margin, cache, (scratch, mesh), manifolds);
+    manifolds.truncate(MANIFOLDS_PER_PAIR_MAX);
+}
+
+/// Adds the manifolds of any two shapes.
+fn append(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: (&mut Scratch, &mut MeshScratch),
+    out: &mut Vec<Manifold>,
+) {
     if rank(a) >= rank(b) {
-        ordered(a, b, b_in_a, margin, cache, out);
+        ordered(a, b, b_in_a, margin, cache, scratch, out);
         return;
     }
     let a_in_b = b_in_a.inverse();
-    ordered(b, a, &a_in_b, margin, cache, out);
-    for m in &mut out.manifolds {
+    let first = out.len();
+    ordered(b, a, &a_in_b, margin, cache, scratch, out);
+    for m in &mut out[first..] {
         *m = m.flipped(&a_in_b);
     }
 }
 
 /// The same with rank(a) ≥ rank(b).
-fn ordered(a: &Shape, b: &Shape, pose: &Pose, margin: f32, cache: &mut PairCache, out: &mut ManifoldSet) {
-    if b.is_convex() {
-        let ManifoldSet { manifolds, scratch } = out;
-        match a {
-            Shape::HalfSpace { normal, offset } => {
-                let plane = Plane { normal: *normal, offset: *offset };
-                manifolds.extend(half_space(&plane, b, pose, margin, cache, scratch));
-            }
-            _ => manifolds.extend(convex(a, b, pose, margin, cache, scratch)),
+fn ordered(
+    a: &Shape,
+    b: &Shape,
+    pose: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    (scratch, mesh): (&mut Scratch, &mut MeshScratch),
+    out: &mut Vec<Manifold>,
+) {
+    let bounds = || b.aabb(pose).expanded(margin);
+    let surface = match a {
+        Shape::Compound(c) => {
+            compound::compound(c, b, pose, &bounds(), margin, (scratch, mesh), out);
+            return;
         }
+        Shape::HalfSpace { normal, offset } if b.is_convex() => {
+            let plane = Plane { normal: *normal, offset: *offset };
+            out.extend(half_space(&plane, b, pose, margin, cache, scratch));
+            return;
+        }
+        Shape::Mesh(m) => Surface::Mesh(m),
+        Shape::HeightField(h) => Surface::HeightField(h),
+        _ if a.is_convex() && b.is_convex() => {
+            out.extend(convex(a, b, pose, margin, cache, scratch));
+            return;
+        }
+        _ => return,
+    };
+    if let Some(b) = Convex::of(b) {
+        mesh::surface_convex(&surface, &b, pose, &bounds(), margin, cache, (scratch, mesh), out);
     }
 }
 

@@ -7,7 +7,10 @@
 use super::{Hit, MassProperties, PointHit, cylinder::disc_half, radial};
 use crate::{Aabb, NO_SUB};
 use core::f64::consts::PI;
-use jounce_math::{DVec3, Pose, Vec3, scalar::f32s};
+use jounce_math::{
+    DVec3, Pose, Vec3,
+    scalar::{f32s, f64s},
+};
 
 /// Unit outward normal (ϱ, y) of the side.
 pub(super) fn side_normal(half_height: f32, radius: f32) -> (f32, f32) {
@@ -58,7 +61,7 @@ pub(super) fn ray(half_height: f32, radius: f32, origin: Vec3, dir: Vec3, max_t:
     let a = d.x * d.x + d.z * d.z - k2 * d.y * d.y;
     let b = o.x * d.x + o.z * d.z + k2 * s * d.y;
     let c = o.x * o.x + o.z * o.z - k2 * s * s;
-    let (lo, hi) = side_interval(a, b, c, t0, t1)?;
+    let (lo, hi) = side_interval(a, b, c, d.y > 0.0)?;
     if lo > t0 {
         (t0, on_base) = (lo, false);
     }
@@ -84,43 +87,31 @@ pub(super) fn ray(half_height: f32, radius: f32, origin: Vec3, dir: Vec3, max_t:
     Some(Hit { t: t0 as f32, normal, sub: NO_SUB })
 }
 
-/// Part of [t0, t1] with a t² + 2 b t + c ≤ 0, known to be one interval. `None` when there is none.
-fn side_interval(a: f64, b: f64, c: f64, t0: f64, t1: f64) -> Option<(f64, f64)> {
+/// Where a t² + 2 b t + c ≤ 0 on the lower half of the double cone; `None` for nowhere.
+fn side_interval(a: f64, b: f64, c: f64, upward: bool) -> Option<(f64, f64)> {
     let disc = b * b - a * c;
-    if disc < 0.0 {
-        // No root: inside everywhere (a < 0) or nowhere.
-        return (a < 0.0).then_some((t0, t1));
+    if disc < 0.0 && a >= 0.0 {
+        return None;
     }
-    // The stable pair of roots: q/a and c/q never subtract nearly equal numbers.
-    let q = -(b + disc.sqrt().copysign(b));
-    let (r0, r1) = if q == 0.0 {
-        (0.0, 0.0)
-    } else if a == 0.0 {
-        // Linear: one root at c/q; the sign of b tells which side is inside.
-        let root = c / q;
-        return Some(if b > 0.0 { (t0, root) } else { (root, t1) });
-    } else {
-        (q / a, c / q)
-    };
+    // q/a and c/q never subtract nearly equal numbers. A steep ray (a < 0) always has roots; less than zero
+    // is rounding at the tip.
+    let q = -(b + f64s::max(disc, 0.0).sqrt().copysign(b));
+    if q == 0.0 {
+        // The surface's line itself, or a ray that only touches the tip.
+        return Some(if a == 0.0 { (f64::NEG_INFINITY, f64::INFINITY) } else { (0.0, 0.0) });
+    }
+    if a == 0.0 {
+        // Parallel to the side: one root, and the sign of b tells on which side of it the inside is.
+        return Some(if b > 0.0 { (f64::NEG_INFINITY, c / q) } else { (c / q, f64::INFINITY) });
+    }
+    let (r0, r1) = (q / a, c / q);
     let (lo, hi) = if r0 <= r1 { (r0, r1) } else { (r1, r0) };
-    if a > 0.0 {
-        return Some((lo, hi));
-    }
-    // a < 0: inside is outside of (lo, hi), which leaves the lower half on one side and its mirror
-    // image on the other; the slab holds only one of them.
-    if t0 <= lo && lo >= t0 && t1 < hi {
-        Some((t0, lo))
-    } else if t1 >= hi && t0 > lo {
-        Some((hi, t1))
-    } else if t1 <= lo {
-        Some((t0, t1))
-    } else if t0 >= hi {
-        Some((t0, t1))
-    } else {
-        // Both parts reach the slab only by rounding at the tip: keep the longer one.
-        let (left, right) = (lo - t0, t1 - hi);
-        if left > right { Some((t0, lo)) } else { Some((hi, t1)) }
-    }
+    Some(match (a > 0.0, upward) {
+        (true, _) => (lo, hi),
+        // A steep ray is inside both halves, outside of (lo, hi); an upward one meets the lower half first.
+        (false, true) => (f64::NEG_INFINITY, lo),
+        (false, false) => (hi, f64::INFINITY),
+    })
 }
 
 /// In the half plane (ϱ, y) the cone is a triangle with the corners (0, −h), (r, −h), (0, h).

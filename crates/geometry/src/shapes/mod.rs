@@ -12,6 +12,8 @@ mod mesh;
 mod sphere;
 pub(crate) mod triangle;
 
+pub(crate) use hull::mass_f64 as hull_mass;
+
 use crate::{Aabb, GeometryError, Hull, NO_SUB, TriMesh, limits};
 use compound::Compound;
 use height_field::HeightField;
@@ -124,7 +126,7 @@ fn radial(p: Vec3) -> (Vec3, f32) {
 
 /// Refuses a size that is not positive, finite and within the limits.
 fn check_size(shape: &'static str, field: &'static str, value: f32) -> Result<(), GeometryError> {
-    if value >= limits::SIZE_MIN && value <= limits::SIZE_MAX {
+    if (limits::SIZE_MIN..=limits::SIZE_MAX).contains(&value) {
         return Ok(());
     }
     Err(GeometryError::BadNumber { shape, field, value, expected: "a length in metres from 1e-6 to 1e6" })
@@ -132,8 +134,7 @@ fn check_size(shape: &'static str, field: &'static str, value: f32) -> Result<()
 
 fn check_half_space(normal: Vec3, offset: f32) -> Result<(), GeometryError> {
     let (shape, length) = ("half_space", normal.length());
-    // Written so that NaN is refused too.
-    if !((length - 1.0).abs() <= 1e-3) {
+    if !(0.999..=1.001).contains(&length) {
         let (field, expected) = ("length of normal", "a unit vector");
         return Err(GeometryError::BadNumber { shape, field, value: length, expected });
     }

@@ -1,0 +1,227 @@
+//! Meshes and height fields against convex shapes, without ghost bumps.
+//!
+//! Each triangle near B is tested alone. A body that slides over a seam of two triangles would trip over it: seen alone,
+//! a triangle's edge can be hit from the side. So a contact normal has to be one that the surface *as a whole* can give:
+//! at an edge, a direction between the normals of its two triangles ([`SurfaceTriangle::allows`]). Others are replaced by
+//! the contact with the triangle's face, or dropped where there is none. After that, face contacts come first, and an edge
+//! or vertex contact that lies in the plane of one takes its normal: that covers seams which the mesh does not know
+//! of, such as T-junctions. Points of nearly equal normal become one manifold of at most four.
+//!
+//! Idea of the admissible fan: P. Terdiman, "Contact generation for meshes", 2012; smooth contacts in Box3D.
+
+use super::feature::Convex;
+use super::general::{self, Scratch};
+use super::one_point;
+use super::poly::TrianglePoly;
+use super::reduce::reduce;
+use super::surface::{Surface, SurfaceTriangle};
+use crate::limits::MANIFOLDS_PER_PAIR_MAX;
+use crate::shapes::triangle::closest_point;
+use crate::{Aabb, FACE_A, Manifold, ManifoldPoint, NO_SUB, PairCache};
+use jounce_math::{Pose, Vec3, scalar::f32s};
+
+/// Cosine of the angle up to which normals count as equal (1.1°).
+const SAME_NORMAL: f32 = 0.9998;
+/// Farthest distance of a point from a face's plane at which it belongs to the plane, metres.
+const PLANE_SLOP: f32 = 0.005;
+
+/// A contact point of one triangle before merging.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Candidate {
+    normal: Vec3,
+    triangle_normal: Vec3,
+    faces: u8,
+    triangle: u32,
+    taken: bool,
+    point: ManifoldPoint,
+}
+
+/// Memory of the test.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct MeshScratch {
+    triangles: Vec<u32>,
+    candidates: Vec<Candidate>,
+    group: Vec<ManifoldPoint>,
+    /// Children of the compounds in work, a stack.
+    pub children: Vec<u32>,
+}
+
+/// Surface A against convex B with bounds `bounds` in A's frame (margin included).
+pub(crate) fn surface_convex(
+    a: &Surface,
+    b: &Convex,
+    pose: &Pose,
+    bounds: &Aabb,
+    margin: f32,
+    cache: &mut PairCache,
+    (scratch, mesh): (&mut Scratch, &mut MeshScratch),
+    out: &mut Vec<Manifold>,
+) {
+    a.overlapping(bounds, &mut mesh.triangles);
+    mesh.candidates.clear();
+    let center = pose.transform_point(b.center());
+    for &index in &mesh.triangles {
+        let Some(t) = a.facing(index, center) else { continue };
+        let Some(m) = triangle(&t, b, pose, margin, scratch) else { continue };
+        for p in m.points() {
+            let feature = (index.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
+            mesh.candidates.push(Candidate {
+                normal: m.normal,
+                triangle_normal: t.poly.normal(),
+                faces: m.faces,
+                triangle: index,
+                taken: false,
+                point: ManifoldPoint { feature: feature ^ feature >> 15, ..*p },
+            });
+        }
+    }
+    snap_to_faces(&mut mesh.candidates, f32s::min(PLANE_SLOP, 0.05 * b.thickness()));
+    merge(mesh, cache, out);
+}
+
+/// One triangle: the contact that the whole surface allows.
+fn triangle(
+    t: &SurfaceTriangle,
+    b: &Convex,
+    pose: &Pose,
+    margin: f32,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    let n = t.poly.normal();
+    let low = pose.transform_point(b.core.support(pose.q.inverse_rotate(-n)));
+    let over = n.dot(low - t.poly.vertices[0]) - b.radius;
+    if over > margin {
+        return None;
+    }
+    if matches!(b.core, crate::convex::core::Core::Point) {
+        return sphere(t, b.radius, pose.p, margin);
+    }
+    let a = Convex::triangle(t.poly);
+    let mut cache = PairCache { axis: n, ..PairCache::default() };
+    let mut axis = general::axis(&a, b, pose, margin, &mut cache)?;
+    if axis.normal.dot(n) < 0.0 {
+        // The least push-out of a thin sheet may be through it; the body is in front, so it goes back there.
+        axis = general_face_axis(&t.poly, low, b.radius + over);
+    }
+    let m = general::contact(&a, b, pose, margin, &axis, &mut cache, scratch)?;
+    if m.faces & FACE_A != 0 || t.allows(m.normal) {
+        return Some(m);
+    }
+    let face = a.flat_face(n)?;
+    let flat = general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch)?;
+    // Past a convex edge the neighbour answers; this face must not lift the body from far below.
+    let depth = |m: &Manifold| m.points().iter().fold(f32::MAX, |d, p| f32s::min(p.separation, d));
+    (n.dot(m.normal) > 0.7 || depth(&flat) > 2.0 * depth(&m) - 0.1 * b.thickness()).then_some(flat)
+}
+
+fn general_face_axis(t: &TrianglePoly, low: Vec3, gap: f32) -> super::hull_hull::Axis {
+    let normal = t.normal();
+    super::hull_hull::Axis { normal, gap, a: low - normal * gap, b: low, feature: 0 }
+}
+
+/// Ball of radius `r` at `p`, in front of the triangle.
+fn sphere(t: &SurfaceTriangle, r: f32, p: Vec3, margin: f32) -> Option<Manifold> {
+    let n = t.poly.normal();
+    let near = closest_point(&t.poly.vertices, p);
+    let d = p - near;
+    let reach = r + margin;
+    if d.length_squared() > reach * reach {
+        return None;
+    }
+    let height = n.dot(p - t.poly.vertices[0]);
+    let face = |faces| {
+        let s = height - r;
+        (s <= margin).then(|| one_point(n, p - n * (r + 0.5 * s), s, 0, faces))
+    };
+    let Some((c, l)) = d.try_normalize() else { return face(FACE_A) };
+    let cosine = c.dot(n);
+    if cosine > 0.99999 || l < 1e-4 * r {
+        return face(FACE_A);
+    }
+    if !t.allows(c) {
+        // The gap between the face and a neighbour of the same plane up to the edge's tolerance.
+        return if cosine > 0.9985 { face(FACE_A) } else { None };
+    }
+    let s = l - r;
+    (s <= margin).then(|| one_point(c, near + c * (0.5 * s), s, 1, 0))
+}
+
+/// Edge and vertex contacts in the plane of a face contact take its normal.
+fn snap_to_faces(candidates: &mut [Candidate], slop: f32) {
+    for i in 0..candidates.len() {
+        if candidates[i].faces & FACE_A != 0 {
+            continue;
+        }
+        let c = candidates[i];
+        let surface = c.point.point - c.normal * (0.5 * c.point.separation);
+        let face = candidates.iter().find(|f| {
+            let on = f.point.point - f.normal * (0.5 * f.point.separation);
+            f.faces & FACE_A != 0
+                && f.normal.dot(surface - on).abs() <= slop
+                && (c.triangle_normal.dot(f.normal) > 0.99 || c.normal.dot(f.normal) > 0.95)
+        });
+        if let Some(f) = face {
+            let normal = f.normal;
+            let separation = c.point.separation * c.normal.dot(normal);
+            let q = &mut candidates[i];
+            q.point.separation = separation;
+            q.point.point = surface + normal * (0.5 * separation);
+            q.normal = normal;
+        }
+    }
+}
+
+/// One manifold for all candidates of nearly equal normal; face contacts lead.
+fn merge(mesh: &mut MeshScratch, cache: &mut PairCache, out: &mut Vec<Manifold>) {
+    let MeshScratch { candidates, group, .. } = mesh;
+    let first = out.len();
+    for lead_faces in [true, false] {
+        for i in 0..candidates.len() {
+            let lead = candidates[i];
+            if lead.taken || (lead.faces & FACE_A != 0) != lead_faces {
+                continue;
+            }
+            if out.len() - first == MANIFOLDS_PER_PAIR_MAX {
+                return;
+            }
+            group.clear();
+            let mut deepest = lead;
+            for c in candidates.iter_mut() {
+                if c.taken || c.normal.dot(lead.normal) < SAME_NORMAL {
+                    continue;
+                }
+                c.taken = true;
+                if c.point.separation < deepest.point.separation {
+                    deepest = *c;
+                }
+                add(group, c.point);
+            }
+            let mut m = Manifold {
+                normal: lead.normal,
+                faces: lead.faces,
+                sub_a: deepest.triangle,
+                sub_b: NO_SUB,
+                ..Manifold::default()
+            };
+            reduce(group, &mut m, cache);
+            out.push(m);
+        }
+    }
+}
+
+/// Adds a point; of two at one place the deeper stays. Feature ids stay unique.
+fn add(group: &mut Vec<ManifoldPoint>, mut p: ManifoldPoint) {
+    for q in group.iter_mut() {
+        if (q.point - p.point).length_squared() < 1e-8 {
+            if p.separation < q.separation {
+                q.separation = p.separation;
+                q.point = p.point;
+            }
+            return;
+        }
+    }
+    while group.iter().any(|q| q.feature == p.feature) {
+        p.feature = p.feature.wrapping_add(1);
+    }
+    group.push(p);
+}

@@ -1,0 +1,168 @@
+//! Triangles of meshes and height fields with what lies across their edges.
+
+use super::poly::TrianglePoly;
+use crate::shapes::height_field::HeightField;
+use crate::{Aabb, NO_SUB, TriMesh};
+use jounce_math::Vec3;
+
+/// Sine of the angle from which an edge counts as convex (0.5°); flatter ones are internal.
+const CONVEX_SINE: f32 = 0.0087;
+
+/// What continues the surface across an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Across {
+    /// Nothing: the edge is a border.
+    Nothing,
+    /// A triangle of this normal, turned away from this one: the edge sticks out.
+    Convex(Vec3),
+    /// A triangle in the same plane, or turned towards this one: the edge cannot be touched.
+    Internal,
+}
+
+/// One side of one triangle, turned to the body that asks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfaceTriangle {
+    pub poly: TrianglePoly,
+    pub across: [Across; 3],
+}
+
+/// A surface made of triangles.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Surface<'a> {
+    Mesh(&'a TriMesh),
+    HeightField(&'a HeightField),
+}
+
+impl Surface<'_> {
+    /// Indices of the triangles whose bounds overlap, in rising order.
+    pub fn overlapping(&self, bounds: &Aabb, out: &mut Vec<u32>) {
+        out.clear();
+        match self {
+            Self::Mesh(m) => {
+                m.tree.query(bounds, |t| {
+                    out.push(t);
+                    true
+                });
+                // The tree's shape is an accident of its history.
+                out.sort_unstable();
+            }
+            Self::HeightField(h) => h.overlapping(bounds, |t| out.push(t)),
+        }
+    }
+
+    /// Corners; `None` for a hole, a degenerate triangle or an index past the end.
+    pub fn corners(&self, index: u32) -> Option<[Vec3; 3]> {
+        match self {
+            Self::Mesh(m) => {
+                let t = m.triangles.get(index as usize)?;
+                Some([self.vertex(m, t[0])?, self.vertex(m, t[1])?, self.vertex(m, t[2])?])
+            }
+            Self::HeightField(h) => h.triangle(index),
+        }
+    }
+    fn vertex(&self, m: &TriMesh, v: u32) -> Option<Vec3> {
+        m.vertices.get(v as usize).copied()
+    }
+
+    /// Unit normal of the front.
+    pub fn normal(&self, index: u32) -> Option<Vec3> {
+        match self {
+            Self::Mesh(m) => m.normals.get(index as usize).copied(),
+            Self::HeightField(_) => {
+                let [a, b, c] = self.corners(index)?;
+                Some((b - a).cross(c - a).try_normalize()?.0)
+            }
+        }
+    }
+
+    fn neighbor(&self, index: u32, edge: usize) -> u32 {
+        match self {
+            Self::Mesh(m) => m.neighbors.get(index as usize).map_or(NO_SUB, |n| n[edge]),
+            Self::HeightField(h) => height_field_neighbor(h, index, edge).unwrap_or(NO_SUB),
+        }
+    }
+
+    fn two_sided(&self) -> bool {
+        matches!(self, Self::Mesh(m) if m.double_sided)
+    }
+
+    /// The side of a triangle that looks at `center`; `None` where that is the back of a one-sided surface.
+    pub fn facing(&self, index: u32, center: Vec3) -> Option<SurfaceTriangle> {
+        let mut v = self.corners(index)?;
+        let mut n = self.normal(index)?;
+        let behind = n.dot(center - v[0]) < 0.0;
+        if behind {
+            if !self.two_sided() {
+                return None;
+            }
+            v.swap(1, 2);
+            n = -n;
+        }
+        let poly = TrianglePoly::new(v, n);
+        let across = core::array::from_fn(|k| {
+            // Edges 0, 1, 2 of the turned triangle are edges 2, 1, 0 of the given one.
+            let other = self.neighbor(index, if behind { 2 - k } else { k });
+            let Some(m) = (other != NO_SUB).then(|| self.normal(other)).flatten() else {
+                return Across::Nothing;
+            };
+            let m = if behind { -m } else { m };
+            if m.dot(poly.side(k)) > CONVEX_SINE { Across::Convex(m) } else { Across::Internal }
+        });
+        Some(SurfaceTriangle { poly, across })
+    }
+}
+
+impl SurfaceTriangle {
+    /// May the surface push along the unit vector `c`? Not where `c` leans over an internal edge, nor where it leans
+    /// further than the normal of the triangle across a convex one. The edges in question are those at the corner
+    /// that lies farthest along `c`, or the one edge whose both ends do.
+    pub fn allows(&self, c: Vec3) -> bool {
+        let n = self.poly.normal();
+        let lean = c - n * c.dot(n);
+        if lean.length_squared() < 1e-8 {
+            return true;
+        }
+        let v = self.poly.vertices;
+        let s = [0.0, lean.dot(v[1] - v[0]), lean.dot(v[2] - v[0])];
+        let top = Vec3::from_array(s).max_component();
+        let bottom = Vec3::from_array(s).min_component();
+        let on = s.map(|x| top - x <= 0.01 * (top - bottom));
+        let edge = (0..3).find(|&k| on[k] && on[(k + 1) % 3]);
+        (0..3).all(|k| {
+            let asked = match edge {
+                Some(e) => k == e,
+                None => on[k] || on[(k + 1) % 3],
+            };
+            !asked || self.allows_at(k, c)
+        })
+    }
+
+    fn allows_at(&self, k: usize, c: Vec3) -> bool {
+        let side = self.poly.side(k);
+        match self.across[k] {
+            Across::Internal => c.dot(side) <= 1e-4,
+            // Into the neighbour, along its plane: e × m with e the edge, as side = e × n.
+            Across::Convex(m) => {
+                let e = self.poly.normal().cross(side);
+                c.dot(e.cross(m)) <= 0.01
+            }
+            Across::Nothing => c.dot(self.poly.normal()) >= -0.01,
+        }
+    }
+}
+
+/// Even triangles have corners (i, j), (i, j+1), (i+1, j+1), odd ones (i, j), (i+1, j+1), (i+1, j).
+fn height_field_neighbor(h: &HeightField, index: u32, edge: usize) -> Option<u32> {
+    let cells = h.columns() - 1;
+    let cell = index as usize / 2;
+    let (i, j) = (cell % cells, cell / cells);
+    let at = |i: usize, j: usize, odd: usize| (2 * (j * cells + i) + odd) as u32;
+    match (index % 2, edge) {
+        (0, 0) => (i > 0).then(|| at(i - 1, j, 1)),
+        (0, 1) => (j + 2 < h.rows()).then(|| at(i, j + 1, 1)),
+        (0, _) => Some(index + 1),
+        (_, 0) => Some(index - 1),
+        (_, 1) => (i + 1 < cells).then(|| at(i + 1, j, 0)),
+        _ => (j > 0).then(|| at(i, j - 1, 0)),
+    }
+}
