@@ -13,7 +13,7 @@ use crate::room::rigid::state::NONE;
 use crate::table::pair_key;
 use crate::world::World;
 use jounce_geometry::{PairCache, Shape};
-use jounce_math::{Pose, scalar::f32s};
+use jounce_math::{Pose, Quat, scalar::f32s};
 
 /// Moved shapes per unit.
 const CHUNK: usize = 32;
@@ -150,6 +150,7 @@ fn make_contact(world: &mut World, key: u64) {
         fixed: !dynamic(a) || !dynamic(b),
         cache: PairCache::default(),
         tested_pose: Pose::IDENTITY,
+        tested_rotations: [Quat::IDENTITY; 2],
         tested: false,
         manifold: ContactManifold::default(),
         rest: Vec::new(),

@@ -12,8 +12,8 @@ use std::sync::PoisonError;
 
 /// Contacts per unit.
 const CHUNK: usize = 64;
-/// sin(θ/2) of the largest turn over which a manifold is recycled (10°).
-const RECYCLE_SIN_HALF: f32 = 0.087;
+/// sin²(θ/2) of the largest turn of a body over which a manifold is recycled (10°).
+const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     let mut contacts = core::mem::take(&mut world.contacts);
@@ -29,6 +29,9 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     });
     world.contacts = contacts;
 }
+
+/// Two points nearer than a centimetre (squared) may be one.
+const NEAR_SQUARED: f32 = 1e-4;
 
 /// Pose of body B's centre of mass in body A's.
 pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
@@ -67,14 +70,24 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose) -> bool {
     if !c.tested || !world.settings.recycle_contacts || world.hooks.contact.is_some() {
         return false;
     }
-    let d = (pose.p - c.tested_pose.p).length();
-    let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
-    if turn > RECYCLE_SIN_HALF || d + 2.0 * turn * c.extent_b > c.recycle_tolerance {
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let turned = |q: Quat, then: Quat| then.inverse_mul(q).xyz().length_squared();
+    let [qa, qb] = c.tested_rotations;
+    if turned(fa.rotation, qa) > RECYCLE_SIN_HALF_SQUARED
+        || turned(fb.rotation, qb) > RECYCLE_SIN_HALF_SQUARED
+    {
         return false;
     }
+    let moved = (pose.p - c.tested_pose.p).length();
+    let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
+    if moved + 2.0 * turn * c.extent_b > c.recycle_tolerance {
+        return false;
+    }
+    let d = (fb.center - fa.center).as_vec3();
+    let (ra, rb) = (fa.rotation.to_mat3(), fb.rotation.to_mat3());
     for m in c.manifolds_mut() {
         for p in m.points.iter_mut().take(usize::from(m.count)) {
-            p.separation = (pose.transform_point(p.on_b) - p.on_a).dot(m.normal);
+            p.separation = (d + rb * p.on_b - ra * p.on_a).dot(m.normal);
         }
         m.fresh = false;
     }
@@ -115,13 +128,16 @@ fn test(
     collide(&ra.shape, &rb.shape, &b_in_a, margin(world, c, bouncy, dt), &mut c.cache, set);
     c.tested = true;
     c.tested_pose = *pose;
+    c.tested_rotations = [fa.rotation, fb.rotation];
+    let offset = (fb.center - fa.center).as_vec3();
     let old_first = c.manifold;
     let old_rest = core::mem::take(&mut c.rest);
     let old_count = if old_first.count == 0 { 0 } else { 1 + old_rest.len() };
     let old = |i: usize| if i == 0 { &old_first } else { &old_rest[i - 1] };
     c.manifold = ContactManifold::default();
     for (i, m) in set.manifolds.iter().enumerate() {
-        let mut new = place(m, &in_a, pose);
+        let mut new = place(m, &in_a, pose, fa.rotation);
+        new.offset = offset;
         new.surface = surface(ra, rb, m, fa.rotation, fb.rotation);
         if let Some(o) = (0..old_count).map(old).find(|o| same(o, &new)) {
             inherit(&mut new, o);
@@ -137,9 +153,10 @@ fn test(
 }
 
 /// A manifold from the shapes' frames to the bodies'.
-fn place(m: &Manifold, in_a: &Pose, pose: &Pose) -> ContactManifold {
+fn place(m: &Manifold, in_a: &Pose, pose: &Pose, rotation: Quat) -> ContactManifold {
+    let normal = in_a.q.rotate(m.normal);
     let mut out = ContactManifold {
-        normal: in_a.q.rotate(m.normal),
+        normal: rotation.rotate(normal),
         count: m.count.min(4),
         faces: m.faces,
         sub_a: m.sub_a,
@@ -148,9 +165,10 @@ fn place(m: &Manifold, in_a: &Pose, pose: &Pose) -> ContactManifold {
     };
     for (p, q) in out.points.iter_mut().zip(m.points()) {
         let mid = in_a.transform_point(q.point);
-        let half = out.normal * (0.5 * q.separation);
+        let half = normal * (0.5 * q.separation);
         *p = Point {
             on_a: mid - half,
+            arm: rotation.rotate(mid),
             on_b: pose.inverse_transform_point(mid + half),
             separation: q.separation,
             feature: q.feature,
@@ -170,7 +188,10 @@ fn same(old: &ContactManifold, new: &ContactManifold) -> bool {
 /// Carries impulses over: point by point by feature, friction by manifold.
 fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
     for p in new.points.iter_mut().take(usize::from(new.count)) {
-        if let Some(o) = old.points.iter().take(usize::from(old.count)).find(|o| o.feature == p.feature) {
+        // A feature's name may flip between two that meet in one place (aligned edges): the place counts then.
+        let points = &old.points[..usize::from(old.count).min(4)];
+        let near = |o: &&Point| (o.on_a - p.on_a).length_squared() < NEAR_SQUARED;
+        if let Some(o) = points.iter().find(|o| o.feature == p.feature).or_else(|| points.iter().find(near)) {
             p.impulse = o.impulse;
             p.total_impulse = o.total_impulse;
         }
@@ -188,7 +209,7 @@ fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
     let speed =
         |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
     let (pa, pb) = (fa.rotation.rotate(m.points[0].on_a), fb.rotation.rotate(m.points[0].on_b));
-    let n = fa.rotation.rotate(m.normal);
+    let n = m.normal;
     let v = speed(fb.row, pb) - speed(fa.row, pa) - m.surface.velocity;
     let slip = v - n * n.dot(v);
     slip.length() < world.settings.stick_speed
@@ -243,7 +264,7 @@ fn ask_hook(
         let (la, lb) = (fa.rotation.rotate(p.on_a), fb.rotation.rotate(p.on_b));
         let view = ContactView {
             pair,
-            normal: fa.rotation.rotate(m.normal),
+            normal: m.normal,
             point: fa.center + la.as_dvec3(),
             separation: p.separation,
             relative_velocity: speed(fb.row, lb) - speed(fa.row, la),

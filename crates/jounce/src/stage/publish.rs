@@ -70,7 +70,7 @@ fn hit(world: &World, c: &Contact) -> Event {
         a: world.shape_id(c.shape_a),
         b: world.shape_id(c.shape_b),
         point: fa.center + fa.rotation.rotate(at).as_dvec3(),
-        normal: fa.rotation.rotate(normal),
+        normal,
         speed: c.hit_speed,
         impulse,
     }

@@ -79,7 +79,7 @@ fn gather(world: &World, slot: u32) -> Vec<Patch> {
         let fa = &world.frames[c.body_a as usize];
         let fb = &world.frames[c.body_b as usize];
         for (index, m) in c.manifolds().enumerate() {
-            let normal = fa.rotation.rotate(m.normal);
+            let normal = m.normal;
             let mut points = [Vec3::ZERO; 4];
             for (q, p) in points.iter_mut().zip(&m.points) {
                 let (f, local) = if fixed_is_a { (fa, p.on_a) } else { (fb, p.on_b) };
@@ -103,15 +103,13 @@ fn gather(world: &World, slot: u32) -> Vec<Patch> {
 
 /// Gives a manifold another normal; its points stay, their gaps are measured along the new one.
 fn adopt(world: &mut World, m: &Patch, normal: Vec3) {
-    let c = &world.contacts[m.row as usize];
-    let pose = super::narrowphase::relative_pose(world, c);
-    let out = if m.fixed_is_a { normal } else { -normal };
-    let local = world.frames[c.body_a as usize].rotation.inverse_rotate(out);
     let c = &mut world.contacts[m.row as usize];
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let d = (fb.center - fa.center).as_vec3();
     let Some(manifold) = c.manifolds_mut().nth(m.index) else { return };
-    manifold.normal = local;
+    manifold.normal = if m.fixed_is_a { normal } else { -normal };
     for p in manifold.points.iter_mut().take(m.count) {
-        p.separation = (pose.transform_point(p.on_b) - p.on_a).dot(local);
+        p.separation = (d + fb.rotation.rotate(p.on_b) - fa.rotation.rotate(p.on_a)).dot(manifold.normal);
     }
     c.tested = false;
 }

@@ -41,7 +41,7 @@ pub(crate) fn resolve(
             continue;
         }
         for m in c.manifolds().filter(|m| m.surface.restitution > 0.0) {
-            let normal = fa.rotation.rotate(m.normal);
+            let normal = m.normal;
             for p in m.points.iter().take(usize::from(m.count)) {
                 let ra = fa.rotation.rotate(p.on_a);
                 let rb = fb.rotation.rotate(p.on_b);

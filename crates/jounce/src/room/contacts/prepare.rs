@@ -104,7 +104,7 @@ pub(crate) fn fill(
 ) {
     let (fa, fb) = (&frames[c.body_a as usize], &frames[c.body_b as usize]);
     let (a, b) = (Side::of(awake, fa), Side::of(awake, fb));
-    let normal = fa.rotation.rotate(m.normal);
+    let normal = m.normal;
     let (tangent, bitangent) = normal.orthonormal_basis();
     let (ma, mb) = (a.inertia.inv_mass, b.inertia.inv_mass);
     block.normal.set(l, normal);
@@ -116,9 +116,8 @@ pub(crate) fn fill(
     block.mass_scale[l] = soft.mass_scale;
     block.impulse_scale[l] = soft.impulse_scale;
     block.count[l] = m.count;
-    let d = (fb.center - fa.center).as_vec3();
-    let center = fill_points(block, l, m, normal, [fa, fb], [&a, &b], d, k);
-    fill_friction(block, l, m, [normal, tangent, bitangent], center, [&a, &b], d, k);
+    let center = fill_points(block, l, m, [&a, &b], k);
+    fill_friction(block, l, m, [normal, tangent, bitangent], center, [&a, &b], k);
 }
 
 /// The points; gives the friction centre relative to A.
@@ -126,13 +125,11 @@ fn fill_points(
     block: &mut Block,
     l: usize,
     m: &ContactManifold,
-    normal: Vec3,
-    f: [&BodyFrame; 2],
     sides: [&Side; 2],
-    d: Vec3,
     k: &StepConstants,
 ) -> Vec3 {
     let [a, b] = sides;
+    let normal = m.normal;
     let acceleration = -normal.dot(b.acceleration - a.acceleration);
     let (mut center, mut weights) = (Vec3::ZERO, 0.0);
     let mut levers = [Vec3::ZERO; 4];
@@ -143,8 +140,8 @@ fn fill_points(
         }
         let p = &m.points[i];
         let s = p.separation;
-        let ra = f[0].rotation.rotate(p.on_a) + normal * (0.5 * s);
-        let rb = ra - d;
+        let ra = p.arm;
+        let rb = ra - m.offset;
         levers[i] = ra;
         let mass = set_jacobian(&mut rows.j, l, normal, ra, rb, a, b);
         rows.separation[l] = s;
@@ -207,12 +204,11 @@ fn fill_friction(
     axes: [Vec3; 3],
     center: Vec3,
     sides: [&Side; 2],
-    d: Vec3,
     k: &StepConstants,
 ) {
     let [normal, t1, t2] = axes;
     let [a, b] = sides;
-    let (ra, rb) = (center, center - d);
+    let (ra, rb) = (center, center - m.offset);
     set_jacobian(&mut block.friction[0], l, t1, ra, rb, a, b);
     set_jacobian(&mut block.friction[1], l, t2, ra, rb, a, b);
     let [f1, f2] = &block.friction;

@@ -3,7 +3,7 @@
 use super::desc::{Filter, MassSpec, Material};
 use crate::room::rigid::state::NONE;
 use jounce_geometry::{Aabb, PairCache, Shape};
-use jounce_math::{Pose, Vec3};
+use jounce_math::{Pose, Quat, Vec3};
 
 /// Which tree a shape's bounds are in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,6 +52,8 @@ pub(crate) struct Point {
     pub on_a: Vec3,
     /// On B's surface, from B's centre of mass, in body B's axes.
     pub on_b: Vec3,
+    /// Lever from A's centre of mass to the middle of the gap at the time of the test, world axes.
+    pub arm: Vec3,
     /// Gap at the start of the step, metres.
     pub separation: f32,
     pub feature: u32,
@@ -64,8 +66,11 @@ pub(crate) struct Point {
 /// Up to four points with one normal, and what friction remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ContactManifold {
-    /// Unit, A to B, in body A's axes.
+    /// Unit, A to B, world axes, as of the last test. Like the levers it stays while the contact is recycled, as it does
+    /// over the substeps: only the gaps follow the bodies. A tall stack on soft contacts would buckle otherwise.
     pub normal: Vec3,
+    /// From A's centre of mass to B's at the time of the test, world axes.
+    pub offset: Vec3,
     pub points: [Point; 4],
     pub count: u8,
     pub faces: u8,
@@ -93,6 +98,7 @@ impl Default for ContactManifold {
     fn default() -> Self {
         Self {
             normal: Vec3::ZERO,
+            offset: Vec3::ZERO,
             points: [Point::default(); 4],
             count: 0,
             faces: 0,
@@ -146,6 +152,8 @@ pub(crate) struct Contact {
     pub cache: PairCache,
     /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
     pub tested_pose: Pose,
+    /// Rotations of the two bodies then.
+    pub tested_rotations: [Quat; 2],
     pub tested: bool,
     /// The first manifold; more in `rest`, for meshes and compounds.
     pub manifold: ContactManifold,
