@@ -51,12 +51,25 @@ fn step(tasks: &Tasks, sets: &mut ColorSets, items: &mut [f32], sums: &mut Vec<f
     }
 }
 
-// The only test of this file: tests of one program run side by side, and the counter counts them all.
-#[test]
-fn stages_allocate_nothing_after_the_first() {
-    for tasks in [Tasks::serial(), Tasks::pool(3), Tasks::chaos(1), Tasks::chaos_pool(3, 1)] {
+/// Returns when every thread has started: starting one allocates.
+fn meet(tasks: &Tasks) {
+    let begun = AtomicUsize::new(0);
+    tasks.run(tasks.threads(), &|_| {
+        begun.fetch_add(1, Ordering::SeqCst);
+        while begun.load(Ordering::SeqCst) < tasks.threads() {
+            std::thread::yield_now();
+        }
+    });
+}
+
+fn main() {
+    // One at a time, so that no other pool is starting its threads.
+    let schedulers: [fn() -> Tasks; 4] =
+        [Tasks::serial, || Tasks::pool(3), || Tasks::chaos(1), || Tasks::chaos_pool(3, 1)];
+    for make in schedulers {
+        let tasks = make();
         let (mut sets, mut items, mut sums) = (ColorSets::new(), vec![0.0; 3000], Vec::with_capacity(3000));
-        step(&tasks, &mut sets, &mut items, &mut sums);
+        meet(&tasks);
         step(&tasks, &mut sets, &mut items, &mut sums);
         let before = ALLOCATIONS.load(Ordering::SeqCst);
         for _ in 0..200 {
