@@ -225,7 +225,7 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
 
 /// Scales the shapes' masses to a sum.
 fn scale_mass(d: &mut BodyDesc, total: f32) -> Checked<()> {
-    if !(total >= jounce::limits::MASS_MIN && total <= jounce::limits::MASS_MAX) {
+    if !(jounce::limits::MASS_MIN..=jounce::limits::MASS_MAX).contains(&total) {
         return Err(Wrong::new(format!("is {total}"), "a positive mass, 1e-12 to 1e15 kg"));
     }
     let own: Vec<f32> = d

@@ -198,10 +198,10 @@ fn world_desc(spec: &SceneSpec) -> Checked<WorldDesc> {
         jounce::Error::BadValue { field: "gravity", .. } => Wrong::from(e),
         _ => Wrong::from(e).key("step"),
     })?;
-    if let Some(s) = spec.seconds {
-        if !(s >= 0.0 && s <= limits::SECONDS_MAX) {
-            return Err(Wrong::new(format!("is {s}"), "0 to 1e7 s").key("seconds"));
-        }
+    if let Some(s) = spec.seconds
+        && !(0.0..=limits::SECONDS_MAX).contains(&s)
+    {
+        return Err(Wrong::new(format!("is {s}"), "0 to 1e7 s").key("seconds"));
     }
     Ok(d)
 }

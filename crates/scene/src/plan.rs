@@ -187,7 +187,7 @@ pub(crate) fn step_at(time: f64, rate_hz: f64) -> u64 {
 }
 
 pub(crate) fn time(t: f64) -> Checked<f64> {
-    if t >= 0.0 && t <= limits::SECONDS_MAX {
+    if (0.0..=limits::SECONDS_MAX).contains(&t) {
         return Ok(t);
     }
     Err(Wrong::new(format!("is {t}"), "0 to 1e7 s"))
@@ -222,10 +222,10 @@ fn expect(e: &ExpectSpec, probes: &[(String, Look)], rate_hz: f64) -> Checked<Ex
     if e.tolerance.is_some() && e.value.is_none() {
         return Err(Wrong::new("is given without `value`", "tolerance only beside value").key("tolerance"));
     }
-    if let (Some(min), Some(max)) = (e.min, e.max) {
-        if min > max {
-            return Err(Wrong::new(format!("is {min}"), format!("not above max = {max}")).key("min"));
-        }
+    if let (Some(min), Some(max)) = (e.min, e.max)
+        && min > max
+    {
+        return Err(Wrong::new(format!("is {min}"), format!("not above max = {max}")).key("min"));
     }
     Ok(Expect { probe, from, at })
 }
