@@ -28,7 +28,8 @@
 //! ```
 //!
 //! A kernel, and all it calls with lanes in hand, is `#[inline(always)]`: code becomes wide by being inlined into the entry
-//! point that has the instruction set switched on. A function that stays outside is correct and slow.
+//! point that has the instruction set switched on. A function that stays outside is correct and slow, and so is a
+//! closure: write `#[inline(always)] |lane| …` (measured: 69.9 ns instead of 8.6 for a contact at 8 lanes).
 //!
 //! Data that kernels read should be laid out in groups of [`LANES_MAX`] whatever the width, so that the layout does
 //! not depend on the machine.

@@ -372,8 +372,14 @@ impl Lanes for F32x16 {
     /// Two transpositions of eight rows, side by side.
     #[inline(always)]
     fn gather8<'a>(row: impl Fn(usize) -> &'a [f32; 8]) -> [Self; 8] {
-        let low = F32x8::gather8(&row);
-        let high = F32x8::gather8(|lane| row(lane + 8));
+        let low = F32x8::gather8(
+            #[inline(always)]
+            |lane| row(lane),
+        );
+        let high = F32x8::gather8(
+            #[inline(always)]
+            |lane| row(lane + 8),
+        );
         let mut out = [Self::zero(); 8];
         for c in 0..8 {
             // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
@@ -384,6 +390,10 @@ impl Lanes for F32x16 {
         }
         out
     }
+    #[expect(
+        clippy::redundant_closure,
+        reason = "a closure can be told to inline; `FnMut for &mut F` cannot"
+    )]
     #[inline(always)]
     fn scatter8(columns: [Self; 8], mut put: impl FnMut(usize, [f32; 8])) {
         let (mut low, mut high) = ([F32x8::zero(); 8], [F32x8::zero(); 8]);
@@ -395,8 +405,16 @@ impl Lanes for F32x16 {
                     F32x8(_mm256_castpd_ps(_mm512_extractf64x4_pd::<1>(_mm512_castps_pd(columns[c].0))));
             }
         }
-        F32x8::scatter8(low, &mut put);
-        F32x8::scatter8(high, |lane, row| put(lane + 8, row));
+        F32x8::scatter8(
+            low,
+            #[inline(always)]
+            |lane, row| put(lane, row),
+        );
+        F32x8::scatter8(
+            high,
+            #[inline(always)]
+            |lane, row| put(lane + 8, row),
+        );
     }
 }
 

@@ -58,17 +58,34 @@ impl Group {
         &self.templates[n % self.templates.len()]
     }
 
-    /// Copy `n`, ready for the world.
-    pub(crate) fn body(&self, n: usize) -> BodyDesc {
+    /// The names that the group gives, and how many bodies bear each; `times` is how often it is made.
+    pub(crate) fn names(&self, times: u64) -> Checked<Vec<(String, u64)>> {
+        let mut names = Vec::new();
+        let all = (self.len() as u64).saturating_mul(times);
+        names.extend(self.name.iter().map(|n| (n.clone(), all)));
+        if self.templates.len() > 1 || !self.single {
+            let each = self.templates.len() as u64;
+            for (t, template) in self.templates.iter().enumerate() {
+                let own = template.desc.name.iter().filter(|n| Some(*n) != self.name.as_ref());
+                names.extend(own.map(|n| (n.clone(), (all + each - 1 - t as u64) / each)));
+            }
+        }
+        Ok(names)
+    }
+
+    /// Copy `n`, ready for the world; `made` copies were made before (by a repeated timed spawn).
+    pub(crate) fn body(&self, n: usize, made: usize) -> BodyDesc {
         let (place, mut d) = (&self.places[n], self.template(n).desc.clone());
         d.position += place.position;
         d.rotation = (place.rotation * d.rotation).normalize();
         d.velocity += place.velocity;
         d.angular_velocity += place.angular_velocity;
+        let copy = made + n;
         d.name = match (&self.name, d.name) {
             (Some(name), _) if self.single => Some(name.clone()),
-            (Some(name), _) => Some(format!("{name}[{n}]")),
-            (None, own) => own,
+            (Some(name), _) => Some(format!("{name}[{copy}]")),
+            (None, Some(own)) => Some(format!("{own}[{}]", copy / self.templates.len())),
+            (None, None) => None,
         };
         d
     }
@@ -163,6 +180,7 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
         BodyTypeSpec::Kinematic => BodyKind::Kinematic,
         BodyTypeSpec::Dynamic => BodyKind::Dynamic,
     });
+    d.name = b.name.clone();
     d.position = DVec3::from_array(b.position.unwrap_or([0.0; 3]));
     d.rotation = rotation(b.rotation_deg, b.rotation)?;
     d.velocity = Vec3::from_array(b.velocity.unwrap_or([0.0; 3]));
@@ -207,7 +225,7 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
 
 /// Scales the shapes' masses to a sum.
 fn scale_mass(d: &mut BodyDesc, total: f32) -> Checked<()> {
-    if !(total >= jounce::limits::MASS_MIN && total <= jounce::limits::MASS_MAX) {
+    if !(jounce::limits::MASS_MIN..=jounce::limits::MASS_MAX).contains(&total) {
         return Err(Wrong::new(format!("is {total}"), "a positive mass, 1e-12 to 1e15 kg"));
     }
     let own: Vec<f32> = d

@@ -235,7 +235,8 @@ pub(crate) fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a s
         let other: Vec<char> = c.chars().take(64).flat_map(char::to_lowercase).collect();
         let d = edits(&word, &other);
         let contained = word.len() >= 4 && c.to_lowercase().contains(&word.iter().collect::<String>());
-        let close = d <= 1 + other.len().max(word.len()) / 4 || contained;
+        let same_start = word.iter().zip(&other).take_while(|(a, b)| a == b).count();
+        let close = d <= 1 + other.len().max(word.len()) / 4 || contained || (same_start >= 3 && d <= 3);
         if close && best.is_none_or(|(b, _)| d < b) {
             best = Some((d, c));
         }

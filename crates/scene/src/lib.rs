@@ -11,6 +11,7 @@ mod json;
 pub mod limits;
 mod load;
 mod mesh;
+mod plan;
 mod random;
 mod read;
 mod shapes;

@@ -1,9 +1,10 @@
 //! A scene, read and checked.
 
-use crate::bodies::{Census, Group, Names, group, scatter};
+use crate::bodies::{Census, Group, Names, color, group, scatter};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::limits;
 use crate::mesh::MeshData;
+use crate::plan::{Entry, Expect, Look, expects, probes, timeline};
 use crate::read::read;
 use crate::shapes::{Library, settings};
 use crate::spec::SceneSpec;
@@ -32,6 +33,9 @@ pub struct Scene {
     pub(crate) spec: SceneSpec,
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
+    pub(crate) timeline: Vec<Entry>,
+    pub(crate) probes: Vec<(String, Look)>,
+    pub(crate) expects: Vec<Expect>,
 }
 
 impl Scene {
@@ -102,6 +106,15 @@ impl Scene {
         &self.world
     }
 
+    /// Length of a run, s: what the scene says, or the last time that it names, or 5.
+    pub fn seconds(&self) -> f64 {
+        let asked = self.spec.expect.iter().map(|e| e.at);
+        let acts = self.timeline.iter().map(|t| t.at + t.every * (t.times - 1) as f64);
+        let last = asked.chain(acts).fold(0.0, |a, b| if b > a { b } else { a });
+        let otherwise = if last > 0.0 { last } else { 5.0 };
+        self.spec.seconds.unwrap_or(otherwise)
+    }
+
     /// Bodies that are there from the start.
     pub fn bodies(&self) -> usize {
         self.groups.iter().map(Group::len).sum()
@@ -118,20 +131,60 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
     let mut groups = Vec::new();
     for (i, b) in spec.bodies.iter().enumerate() {
         let g = group(b, &mut library, &mut census).index(i).key("bodies")?;
-        if let Some(name) = &g.name {
-            names.add(name, g.len() as u64).index(i).key("bodies")?;
-        }
+        name_all(&g, &mut names).index(i).key("bodies")?;
         groups.push(g);
     }
     for (i, s) in spec.scatter.iter().enumerate() {
         let g = scatter(s, &mut library, &mut census).index(i).key("scatter")?;
-        if let Some(name) = &g.name {
-            names.add(name, g.len() as u64).index(i).key("scatter")?;
-        }
+        name_all(&g, &mut names).index(i).key("scatter")?;
         groups.push(g);
     }
+    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names)?;
+    let probes = probes(&spec.probes, &names)?;
+    let expects = expects(&spec.expect, &probes, world.rate_hz)?;
+    looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
-    Ok(Scene { name, world, groups, spec })
+    Ok(Scene { name, world, groups, timeline, probes, expects, spec })
+}
+
+fn name_all(g: &Group, names: &mut Names) -> Checked<()> {
+    g.names(1)?.iter().try_for_each(|(n, count)| names.add(n, *count))
+}
+
+/// Checks camera and colours, so that a picture cannot fail for the scene's sake.
+fn looks(spec: &SceneSpec, names: &Names) -> Checked<()> {
+    if let Some(r) = &spec.render {
+        r.background.as_deref().map(color).transpose().key("background").key("render")?;
+        r.ground_color.as_deref().map(color).transpose().key("ground_color").key("render")?;
+        if r.sun.is_some_and(|s| s == [0.0; 3]) {
+            return Err(Wrong::new("is zero", "a direction").key("sun").key("render"));
+        }
+        if r.sun_strength.is_some_and(|s| !(0.0..=4.0).contains(&s)) {
+            return Err(Wrong::new("is out of range", "0 to 4").key("sun_strength").key("render"));
+        }
+    }
+    let Some(c) = &spec.camera else { return Ok(()) };
+    if c.fov_deg.is_some_and(|f| !(1.0..=170.0).contains(&f)) {
+        return Err(Wrong::new("is out of range", "1 to 170 degrees").key("fov_deg").key("camera"));
+    }
+    if c.position == c.target.unwrap_or([0.0; 3]) {
+        return Err(Wrong::new("is the same as `target`", "a place to look from")
+            .key("position")
+            .key("camera"));
+    }
+    if c.up.is_some_and(|u| u == [0.0; 3]) {
+        return Err(Wrong::new("is zero", "a direction").key("up").key("camera"));
+    }
+    if let Some(body) = &c.follow {
+        let target = names.resolve(body).key("follow").key("camera")?;
+        if target.count > 1 {
+            let message = format!("names {} bodies", target.count);
+            return Err(Wrong::new(message, format!("one, such as {}[0]", target.name))
+                .key("follow")
+                .key("camera"));
+        }
+    }
+    Ok(())
 }
 
 fn world_desc(spec: &SceneSpec) -> Checked<WorldDesc> {
@@ -145,10 +198,10 @@ fn world_desc(spec: &SceneSpec) -> Checked<WorldDesc> {
         jounce::Error::BadValue { field: "gravity", .. } => Wrong::from(e),
         _ => Wrong::from(e).key("step"),
     })?;
-    if let Some(s) = spec.seconds {
-        if !(s >= 0.0 && s <= limits::SECONDS_MAX) {
-            return Err(Wrong::new(format!("is {s}"), "0 to 1e7 s").key("seconds"));
-        }
+    if let Some(s) = spec.seconds
+        && !(0.0..=limits::SECONDS_MAX).contains(&s)
+    {
+        return Err(Wrong::new(format!("is {s}"), "0 to 1e7 s").key("seconds"));
     }
     Ok(d)
 }

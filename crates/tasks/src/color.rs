@@ -67,6 +67,9 @@ const COLOR_BITS: u32 = WRITTEN_LATE - 1;
 /// Colours open to rows with two written items; those above are kept for rows with one.
 const PAIR_COLORS: u32 = 20;
 
+/// Rows to a unit of work, if blocks are smaller: some microseconds of contact solving, against a claim's tenth of one.
+const ROWS_PER_UNIT: usize = 64;
+
 /// What a row does with one of its items.
 enum Access {
     Nothing,
@@ -180,8 +183,8 @@ impl ColorSets {
         self.masks.len()
     }
 
-    /// Solves a colour: calls `f(access, rows, block)` for every block of `block` rows (the last may be shorter),
-    /// each a unit of a stage. `blocks[i]` belongs to rows `i * block ..`; `access` reaches the items of those rows
+    /// Solves a colour: calls `f(access, rows, block)` for every block of `block` rows (the last may be shorter);
+    /// several small blocks make a unit of the stage. `blocks[i]` belongs to rows `i * block ..`; `access` reaches the items of those rows
     /// and no others. Rows whose item is [`NONE`](Self::NONE) read `fixed`.
     ///
     /// # Panics
@@ -204,7 +207,7 @@ impl ColorSets {
         assert_eq!(blocks.len(), rows.len().div_ceil(block), "blocks of {block} for {} rows", rows.len());
         let base = Items(items.as_mut_ptr());
         let (base, fixed) = (&base, &fixed);
-        tasks.for_each(blocks, 1, |i, data| {
+        tasks.for_each(blocks, (ROWS_PER_UNIT / block).max(1), |i, data| {
             let first = i * block;
             let part = &rows[first..rows.len().min(first + block)];
             let mut access = Scatter { rows: part, first, items: base.0, fixed, borrow: PhantomData };

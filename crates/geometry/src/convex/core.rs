@@ -42,6 +42,27 @@ impl<'a> Core<'a> {
         })
     }
 
+    /// A point well inside.
+    pub fn center(&self) -> Vec3 {
+        match self {
+            Core::Hull(h) => h.center(),
+            Core::Triangle(t) => (t[0] + t[1] + t[2]) * (1.0 / 3.0),
+            _ => Vec3::ZERO,
+        }
+    }
+
+    /// Largest coordinate of the core, for tolerances.
+    pub fn extent(&self) -> f32 {
+        match self {
+            Core::Point => 0.0,
+            Core::Segment(h) => *h,
+            Core::Box(h) => h.max_component(),
+            Core::Cylinder(h, r) | Core::Cone(h, r) => h + r,
+            Core::Hull(h) => (h.aabb().max.abs()).max(h.aabb().min.abs()).max_component(),
+            Core::Triangle(t) => t[0].abs().max(t[1].abs()).max(t[2].abs()).max_component(),
+        }
+    }
+
     /// A point of the core farthest along `d` (of any length).
     #[inline]
     pub fn support(&self, d: Vec3) -> Vec3 {

@@ -1,10 +1,15 @@
 //! Distances, overlaps and casts between two shapes.
 
+mod cast;
 pub(crate) mod core;
+mod distance;
 mod epa;
 pub(crate) mod gjk;
+mod impact;
 
-use crate::Shape;
+pub use cast::cast_shape;
+pub use distance::{distance, overlap};
+pub use impact::time_of_impact;
 use jounce_math::{Pose, Quat, Vec3};
 
 /// Closest points of two shapes.
@@ -65,7 +70,7 @@ impl Sweep {
 pub enum TimeOfImpact {
     /// They never come closer than the target distance.
     Separated,
-    /// They overlap at the start.
+    /// They overlap, or are nearer than the target distance, at the start.
     Overlapped,
     /// They come to the target distance at this fraction, 0…1.
     Hit(f32),
@@ -73,27 +78,25 @@ pub enum TimeOfImpact {
     Failed(f32),
 }
 
-/// Closest points of A and B, where `b_in_a` is the pose of B in A's frame. `max_distance` bounds the
-/// search (`f32::MAX` for none): `None` when they are farther apart.
-pub fn distance(a: &Shape, b: &Shape, b_in_a: &Pose, max_distance: f32) -> Option<Distance> {
-    let _ = (a, b, b_in_a, max_distance);
-    None
-}
-
-/// Do they overlap or touch?
-pub fn overlap(a: &Shape, b: &Shape, b_in_a: &Pose) -> bool {
-    distance(a, b, b_in_a, 0.0).is_some()
-}
-
-/// B moves from `b_in_a` by `motion` (A's frame, no rotation): the first contact. An overlap at the start hits at
-/// t = 0.
-pub fn cast_shape(a: &Shape, b: &Shape, b_in_a: &Pose, motion: Vec3) -> Option<CastHit> {
-    let _ = (a, b, b_in_a, motion);
-    None
-}
-
-/// Conservative advancement of convex B (or a compound) against A along a sweep, to the distance `target` ± `tolerance`.
-pub fn time_of_impact(a: &Shape, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32) -> TimeOfImpact {
-    let _ = (a, b, sweep, target, tolerance);
-    TimeOfImpact::Separated
+impl Distance {
+    /// The same seen from the other shape, where `b_in_a` is the pose of the second shape in the first one's frame.
+    fn flipped(&self, b_in_a: &Pose) -> Self {
+        Self {
+            distance: self.distance,
+            point_a: b_in_a.inverse_transform_point(self.point_b),
+            point_b: b_in_a.inverse_transform_point(self.point_a),
+            normal: -b_in_a.q.inverse_rotate(self.normal),
+            sub_a: self.sub_b,
+            sub_b: self.sub_a,
+        }
+    }
+    /// The same with A in a frame of its own, `frame`.
+    fn moved(&self, frame: &Pose) -> Self {
+        Self {
+            point_a: frame.transform_point(self.point_a),
+            point_b: frame.transform_point(self.point_b),
+            normal: frame.q.rotate(self.normal),
+            ..*self
+        }
+    }
 }

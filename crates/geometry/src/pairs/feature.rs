@@ -60,12 +60,20 @@ impl<'a> Convex<'a> {
     /// `None` for a shape that is not convex.
     pub fn of(shape: &'a Shape) -> Option<Self> {
         let (core, radius) = Core::of(shape)?;
+        Some(Self::of_core(core, radius))
+    }
+    /// From a core and a radius.
+    pub fn of_core(core: Core<'a>, radius: f32) -> Self {
         let flat = match core {
             Core::Box(h) => Flat::Box(BoxPoly::new(h)),
             Core::Hull(h) => Flat::Poly(Poly::from(h)),
+            Core::Triangle([a, b, c]) => {
+                let n = (b - a).cross(c - a).normalize_or(Vec3::Y);
+                Flat::Triangle(TrianglePoly::new([a, b, c], n))
+            }
             _ => Flat::None,
         };
-        Some(Self { core, radius, flat })
+        Self { core, radius, flat }
     }
     pub fn triangle(t: TrianglePoly) -> Self {
         Self { core: Core::Triangle(t.vertices), radius: 0.0, flat: Flat::Triangle(t) }
@@ -81,11 +89,7 @@ impl<'a> Convex<'a> {
     }
     /// A point well inside.
     pub fn center(&self) -> Vec3 {
-        match self.core {
-            Core::Hull(h) => h.center(),
-            Core::Triangle(t) => (t[0] + t[1] + t[2]) * (1.0 / 3.0),
-            _ => Vec3::ZERO,
-        }
+        self.core.center()
     }
     /// A length of the order of the shape's thickness, for tolerances.
     pub fn thickness(&self) -> f32 {

@@ -15,6 +15,7 @@ mod reduce;
 mod sphere;
 mod surface;
 
+use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::{Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache, Shape};
 use feature::Convex;
@@ -22,7 +23,7 @@ pub(crate) use general::Scratch;
 use half_space::Plane;
 use jounce_math::{Pose, Vec3};
 pub(crate) use mesh::MeshScratch;
-use surface::Surface;
+pub(crate) use surface::Surface;
 
 /// A manifold of one point.
 pub(crate) fn one_point(normal: Vec3, point: Vec3, separation: f32, feature: u32, faces: u8) -> Manifold {
@@ -32,7 +33,7 @@ pub(crate) fn one_point(normal: Vec3, point: Vec3, separation: f32, feature: u32
 }
 
 /// Order of the shapes in a test: A is the one of higher rank.
-fn rank(s: &Shape) -> u8 {
+pub(crate) fn rank(s: &Shape) -> u8 {
     match s {
         Shape::Sphere { .. } => 0,
         Shape::Capsule { .. } => 1,
@@ -44,6 +45,15 @@ fn rank(s: &Shape) -> u8 {
         Shape::Mesh(_) => 7,
         Shape::HeightField(_) => 8,
         Shape::Compound(_) => 9,
+    }
+}
+
+/// Where two overlapping cores (with radii) touch and the direction from A to B that parts them soonest.
+pub(crate) fn push_out((a, ra): (Core, f32), (b, rb): (Core, f32), pose: &Pose) -> (Vec3, Vec3) {
+    let (a, b) = (Convex::of_core(a, ra), Convex::of_core(b, rb));
+    match general::axis(&a, &b, pose, f32::MAX, &mut PairCache::default()) {
+        Some(x) => ((x.a + x.normal * ra + x.b - x.normal * rb) * 0.5, x.normal),
+        None => (pose.p, pose.p.normalize_or(Vec3::Y)),
     }
 }
 

@@ -8,6 +8,9 @@ use jounce_math::Vec3;
 /// Sine of the angle from which an edge counts as convex (0.5°); flatter ones are internal.
 const CONVEX_SINE: f32 = 0.0087;
 
+/// Most pieces that a sweep over a height field is cut into.
+const SWEEP_STRETCHES_MAX: usize = 256;
+
 /// What continues the surface across an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Across {
@@ -48,6 +51,56 @@ impl Surface<'_> {
             }
             Self::HeightField(h) => h.overlapping(bounds, |t| out.push(t)),
         }
+    }
+
+    /// Calls `f` with each of those triangles, in no order that matters.
+    pub fn visit(&self, bounds: &Aabb, mut f: impl FnMut(u32)) {
+        match self {
+            Self::Mesh(m) => m.tree.query(bounds, |t| {
+                f(t);
+                true
+            }),
+            Self::HeightField(h) => h.overlapping(bounds, f),
+        }
+    }
+
+    /// Around the whole surface.
+    pub fn bounds(&self) -> Aabb {
+        match self {
+            Self::Mesh(m) => m.aabb(),
+            Self::HeightField(h) => h.aabb(),
+        }
+    }
+
+    /// Triangles that a box meets on its way along `motion`, up to the fraction `max_t` and roughly in the order of
+    /// meeting. `f(triangle, max_t)` gives the new `max_t`.
+    pub fn sweep(&self, start: &Aabb, motion: Vec3, max_t: f32, mut f: impl FnMut(u32, f32) -> f32) {
+        let still = motion == Vec3::ZERO;
+        match self {
+            Self::Mesh(m) if !still => m.tree.ray(start.center(), motion, start.half(), max_t, f),
+            _ => {
+                // Stretch by stretch, so that a long diagonal does not ask all that lies around it.
+                let size = (start.max - start.min).max_component();
+                let stretches = 1 + ((motion.length() / (2.0 * size)) as usize).min(SWEEP_STRETCHES_MAX - 1);
+                let mut bound = max_t;
+                for k in 0..stretches {
+                    let at = |k: usize| k as f32 / stretches as f32;
+                    if at(k) > bound {
+                        return;
+                    }
+                    let (from, to) = (motion * at(k), motion * at(k + 1));
+                    let moved = |d: Vec3| Aabb::new(start.min + d, start.max + d);
+                    self.visit(&moved(from).union(&moved(to)), |t| bound = f(t, bound));
+                }
+            }
+        }
+    }
+
+    /// Corners of a triangle, unless it is one-sided and `center` is behind it.
+    pub fn facing_corners(&self, index: u32, center: Vec3) -> Option<[Vec3; 3]> {
+        let t = self.corners(index)?;
+        let front = self.two_sided() || self.normal(index)?.dot(center - t[0]) >= 0.0;
+        front.then_some(t)
     }
 
     /// Corners; `None` for a hole, a degenerate triangle or an index past the end.

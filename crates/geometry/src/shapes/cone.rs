@@ -68,8 +68,8 @@ pub(super) fn ray(half_height: f32, radius: f32, origin: Vec3, dir: Vec3, max_t:
     if hi < t1 {
         t1 = hi;
     }
-    t0 -= shift;
-    t1 -= shift;
+    t0 += shift;
+    t1 += shift;
     if t0 > t1 || t1 <= 0.0 || t0 > f64::from(max_t) {
         return None;
     }

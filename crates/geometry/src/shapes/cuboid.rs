@@ -46,7 +46,7 @@ pub(super) fn ray(half: Vec3, origin: Vec3, dir: Vec3, max_t: f32) -> Option<Hit
         return Some(Hit::inside(dir));
     }
     let mut normal = Vec3::ZERO;
-    normal[axis] = (-1.0f32).copysign(dir[axis]);
+    normal[axis] = 1.0f32.copysign(-dir[axis]);
     Some(Hit { t: t0, normal, sub: NO_SUB })
 }
 

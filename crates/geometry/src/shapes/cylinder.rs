@@ -68,7 +68,7 @@ pub(super) fn ray(half_height: f32, radius: f32, origin: Vec3, dir: Vec3, max_t:
         return Some(Hit::inside(dir));
     }
     let normal = if on_cap {
-        Vec3::new(0.0, (-1.0f32).copysign(dir.y), 0.0)
+        Vec3::new(0.0, 1.0f32.copysign(-dir.y), 0.0)
     } else {
         DVec3::new(o.x + d.x * t0, 0.0, o.z + d.z * t0).as_vec3().normalize_or(-dir)
     };

@@ -199,6 +199,28 @@ impl Bvh {
         if root > 0.0 { (sum / root) as f32 } else { 0.0 }
     }
 
+    /// Gives leaves new ids and data 0, 1, 2, … in the order of a depth-first walk; says which data each had.
+    pub(crate) fn renumber(&mut self) -> Vec<u32> {
+        let mut old = Vec::with_capacity(self.len());
+        let mut leaves = Vec::with_capacity(self.len());
+        let mut todo: Vec<u32> = if self.root == NONE { Vec::new() } else { vec![self.root] };
+        while let Some(n) = todo.pop() {
+            for slot in [0, 1] {
+                let child = self.nodes[n as usize].children[slot];
+                if child != NONE && child & LEAF != 0 {
+                    let id = leaves.len() as u32;
+                    old.push(self.leaves[(child & !LEAF) as usize].data);
+                    leaves.push(Leaf { data: id, node: n });
+                    self.nodes[n as usize].children[slot] = LEAF | id;
+                }
+            }
+            todo.extend(self.nodes[n as usize].children.into_iter().rev().filter(|&c| c & LEAF == 0));
+        }
+        self.leaves = leaves;
+        self.free_leaves.clear();
+        old
+    }
+
     fn is_leaf(&self, leaf: u32) -> bool {
         self.leaves.get(leaf as usize).is_some_and(|l| l.node != NONE)
     }

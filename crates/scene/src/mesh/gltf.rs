@@ -438,31 +438,31 @@ impl Reader<'_> {
                 format!("less than {}", self.root.buffers.len()),
             ));
         };
-        if self.loaded.get(b).is_some_and(Option::is_none) {
-            if let Some(uri) = &buffer.uri {
-                let bytes = match uri.strip_prefix("data:") {
-                    Some(data) => data_uri(data).ok_or_else(|| {
+        if self.loaded.get(b).is_some_and(Option::is_none)
+            && let Some(uri) = &buffer.uri
+        {
+            let bytes = match uri.strip_prefix("data:") {
+                Some(data) => data_uri(data).ok_or_else(|| {
+                    self.file.wrong(
+                        format!("{key}.uri"),
+                        "a data URI that cannot be decoded",
+                        "data:…;base64,…",
+                    )
+                })?,
+                None => {
+                    let path = relative(uri).ok_or_else(|| {
                         self.file.wrong(
                             format!("{key}.uri"),
-                            "a data URI that cannot be decoded",
-                            "data:…;base64,…",
+                            format!("names `{uri}`"),
+                            "a file beside the glTF",
                         )
-                    })?,
-                    None => {
-                        let path = relative(uri).ok_or_else(|| {
-                            self.file.wrong(
-                                format!("{key}.uri"),
-                                format!("names `{uri}`"),
-                                "a file beside the glTF",
-                            )
-                        })?;
-                        let bytes = (self.beside)(&path)?;
-                        self.input += bytes.len();
-                        bytes
-                    }
-                };
-                self.loaded[b] = Some(bytes);
-            }
+                    })?;
+                    let bytes = (self.beside)(&path)?;
+                    self.input += bytes.len();
+                    bytes
+                }
+            };
+            self.loaded[b] = Some(bytes);
         }
         let there = self.bytes(b)?.len();
         if buffer.byte_length > there {

@@ -180,3 +180,11 @@ pub enum UpSpec {
     /// z up (CAD, GIS, Blender).
     Z,
 }
+
+/// The JSON Schema of scene files, as published in `scenes/schema.json`.
+pub fn schema() -> String {
+    let schema = schemars::schema_for!(SceneSpec);
+    let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    text.push('\n');
+    text
+}

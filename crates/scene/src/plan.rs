@@ -1,0 +1,438 @@
+//! Probes, timed actions and expectations, checked against the bodies of the scene before anything runs.
+
+use crate::bodies::{Census, Group, Names, Target, group};
+use crate::error::{Checked, Under, Wrong, closest};
+use crate::limits;
+use crate::shapes::{Library, rotation, unknown};
+use crate::spec::{AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec};
+use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
+use jounce::math::{DVec3, Quat, Vec3};
+
+/// Numbers that one body gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BodyValue {
+    Position(usize),
+    Center(usize),
+    Velocity(usize),
+    AngularVelocity(usize),
+    Momentum(usize),
+    Speed,
+    AngularSpeed,
+    Height,
+    Tilt,
+    Angle,
+    Distance,
+    KineticEnergy,
+    PotentialEnergy,
+    Energy,
+    Mass,
+    Awake,
+    Contacts,
+    NormalForce,
+    FrictionForce,
+}
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Numbers without an axis, by their names in scene files.
+const BODY_VALUES: [(&str, BodyValue); 14] = [
+    ("speed", BodyValue::Speed),
+    ("angular_speed", BodyValue::AngularSpeed),
+    ("height", BodyValue::Height),
+    ("tilt", BodyValue::Tilt),
+    ("angle", BodyValue::Angle),
+    ("distance", BodyValue::Distance),
+    ("kinetic_energy", BodyValue::KineticEnergy),
+    ("potential_energy", BodyValue::PotentialEnergy),
+    ("energy", BodyValue::Energy),
+    ("mass", BodyValue::Mass),
+    ("awake", BodyValue::Awake),
+    ("contacts", BodyValue::Contacts),
+    ("normal_force", BodyValue::NormalForce),
+    ("friction_force", BodyValue::FrictionForce),
+];
+
+type OfAxis<T> = (&'static str, fn(usize) -> T);
+
+const BODY_AXIS_VALUES: [OfAxis<BodyValue>; 5] = [
+    ("position", BodyValue::Position),
+    ("center", BodyValue::Center),
+    ("velocity", BodyValue::Velocity),
+    ("angular_velocity", BodyValue::AngularVelocity),
+    ("momentum", BodyValue::Momentum),
+];
+
+/// Numbers that the whole world gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum WorldValue {
+    Momentum(usize),
+    AngularMomentum(usize),
+    Energy,
+    KineticEnergy,
+    PotentialEnergy,
+    Bodies,
+    Awake,
+    Shapes,
+    Contacts,
+    Touching,
+}
+
+const WORLD_VALUES: [(&str, WorldValue); 8] = [
+    ("energy", WorldValue::Energy),
+    ("kinetic_energy", WorldValue::KineticEnergy),
+    ("potential_energy", WorldValue::PotentialEnergy),
+    ("bodies", WorldValue::Bodies),
+    ("awake", WorldValue::Awake),
+    ("shapes", WorldValue::Shapes),
+    ("contacts", WorldValue::Contacts),
+    ("touching", WorldValue::Touching),
+];
+
+const WORLD_AXIS_VALUES: [OfAxis<WorldValue>; 2] =
+    [("momentum", WorldValue::Momentum), ("angular_momentum", WorldValue::AngularMomentum)];
+
+fn value<T: Copy>(text: &str, plain: &[(&'static str, T)], axes: &[OfAxis<T>]) -> Checked<T> {
+    if let Some((_, v)) = plain.iter().find(|(n, _)| *n == text) {
+        return Ok(*v);
+    }
+    if let Some((name, axis)) = text.rsplit_once('.') {
+        let make = axes.iter().find(|(n, _)| *n == name);
+        let axis = AXES.iter().position(|a| *a == axis);
+        if let (Some((_, make)), Some(axis)) = (make, axis) {
+            return Ok(make(axis));
+        }
+    }
+    let mut all: Vec<String> = axes.iter().flat_map(|(n, _)| AXES.map(|a| format!("{n}.{a}"))).collect();
+    all.extend(plain.iter().map(|(n, _)| n.to_string()));
+    let expected = format!(
+        "one of {}",
+        axes.iter()
+            .map(|(n, _)| format!("{n}.x|y|z"))
+            .chain(plain.iter().map(|(n, _)| n.to_string()))
+            .collect::<Vec<_>>()
+            .join(", ")
+    );
+    let guess = closest(text, all.iter().map(String::as_str));
+    Err(Wrong::new(format!("\"{text}\" is unknown"), expected).suggest(guess))
+}
+
+/// What a probe looks at.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Look {
+    Body { target: Target, value: BodyValue, aggregate: Option<AggregateSpec> },
+    World(WorldValue),
+    Sensor(Target),
+    Events { kind: EventSpec, target: Option<Target> },
+}
+
+pub(crate) fn probes(all: &Map<ProbeSpec>, names: &Names) -> Checked<Vec<(String, Look)>> {
+    let mut out = Vec::with_capacity(all.0.len());
+    for (name, p) in &all.0 {
+        out.push((name.clone(), probe(p, names).key(name).key("probes")?));
+    }
+    Ok(out)
+}
+
+fn probe(p: &ProbeSpec, names: &Names) -> Checked<Look> {
+    let target = p.body.as_deref().map(|b| names.resolve(b)).transpose().key("body")?;
+    let ways = [p.value.is_some(), p.world.is_some(), p.sensor.is_some(), p.events.is_some()];
+    if ways.iter().filter(|w| **w).count() != 1 {
+        return Err(Wrong::new(
+            "the probe has no clear subject",
+            "exactly one of value (with body), world, sensor, events",
+        ));
+    }
+    if p.aggregate.is_some() && p.value.is_none() {
+        return Err(
+            Wrong::new("is given without `value`", "aggregate only with body and value").key("aggregate")
+        );
+    }
+    if target.is_some() && (p.world.is_some() || p.sensor.is_some()) {
+        return Err(
+            Wrong::new("is given beside `world` or `sensor`", "body only with value or events").key("body")
+        );
+    }
+    if let Some(w) = &p.world {
+        return value(w, &WORLD_VALUES, &WORLD_AXIS_VALUES).map(Look::World).key("world");
+    }
+    if let Some(s) = &p.sensor {
+        return names.resolve(s).map(Look::Sensor).key("sensor");
+    }
+    if let Some(kind) = p.events {
+        return Ok(Look::Events { kind, target });
+    }
+    let v = value(p.value.as_deref().unwrap_or(""), &BODY_VALUES, &BODY_AXIS_VALUES).key("value")?;
+    let Some(target) = target else {
+        return Err(Wrong::new("the key `body` is missing", "body beside value"));
+    };
+    if target.count > 1 && p.aggregate.is_none() {
+        let message = format!("names {} bodies", target.count);
+        let expected = format!("one, such as {}[0], or an aggregate (min, max, mean, …)", target.name);
+        return Err(Wrong::new(message, expected).key("body"));
+    }
+    Ok(Look::Body { target, value: v, aggregate: p.aggregate })
+}
+
+/// An expectation by steps.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Expect {
+    pub probe: usize,
+    pub from: u64,
+    pub at: u64,
+}
+
+/// Number of the step that ends nearest to a time.
+pub(crate) fn step_at(time: f64, rate_hz: f64) -> u64 {
+    (time * rate_hz).round() as u64
+}
+
+pub(crate) fn time(t: f64) -> Checked<f64> {
+    if (0.0..=limits::SECONDS_MAX).contains(&t) {
+        return Ok(t);
+    }
+    Err(Wrong::new(format!("is {t}"), "0 to 1e7 s"))
+}
+
+pub(crate) fn expects(all: &[ExpectSpec], probes: &[(String, Look)], rate_hz: f64) -> Checked<Vec<Expect>> {
+    let mut out = Vec::with_capacity(all.len());
+    for (i, e) in all.iter().enumerate() {
+        out.push(expect(e, probes, rate_hz).index(i).key("expect")?);
+    }
+    Ok(out)
+}
+
+fn expect(e: &ExpectSpec, probes: &[(String, Look)], rate_hz: f64) -> Checked<Expect> {
+    let known = probes.iter().map(|(n, _)| n.as_str());
+    let Some(probe) = probes.iter().position(|(n, _)| *n == e.probe) else {
+        return Err(unknown("probe", &e.probe, known).key("probe"));
+    };
+    let at = step_at(time(e.at).key("at")?, rate_hz);
+    let from = step_at(time(e.from.unwrap_or(e.at)).key("from")?, rate_hz);
+    if from > at {
+        return Err(Wrong::new(format!("is {}", e.from.unwrap_or(0.0)), format!("not after at = {}", e.at))
+            .key("from"));
+    }
+    if e.value.is_none() && e.min.is_none() && e.max.is_none() {
+        return Err(Wrong::new("nothing is compared", "value with tolerance, min, or max"));
+    }
+    let tolerance = e.tolerance.unwrap_or(0.0);
+    if tolerance < 0.0 {
+        return Err(Wrong::new(format!("is {tolerance}"), "0 or more").key("tolerance"));
+    }
+    if e.tolerance.is_some() && e.value.is_none() {
+        return Err(Wrong::new("is given without `value`", "tolerance only beside value").key("tolerance"));
+    }
+    if let (Some(min), Some(max)) = (e.min, e.max)
+        && min > max
+    {
+        return Err(Wrong::new(format!("is {min}"), format!("not above max = {max}")).key("min"));
+    }
+    Ok(Expect { probe, from, at })
+}
+
+/// A timed action, checked.
+#[derive(Clone, Debug)]
+pub(crate) struct Entry {
+    pub at: f64,
+    pub every: f64,
+    pub times: u64,
+    pub action: Action,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum Action {
+    Spawn(Vec<Group>),
+    Push { target: Target, push: Push, duration: f64 },
+    SetVelocity { target: Target, velocity: Option<Vec3>, angular_velocity: Option<Vec3> },
+    Remove(Target),
+    Teleport { target: Target, position: Option<DVec3>, rotation: Option<Quat> },
+    MoveTo { target: Target, position: Option<DVec3>, rotation: Option<Quat>, duration: f64 },
+    SetGravity(Vec3),
+    Wake(Target),
+    Sleep(Target),
+    Enable(Target, bool),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Push {
+    pub impulse: Option<Vec3>,
+    pub angular_impulse: Option<Vec3>,
+    pub force: Option<Vec3>,
+    pub torque: Option<Vec3>,
+    pub at: Option<DVec3>,
+}
+
+/// Checks the timeline. Two passes: spawned bodies get their names before actions look names up.
+pub(crate) fn timeline(
+    all: &[TimelineSpec],
+    library: &mut Library,
+    census: &mut Census,
+    names: &mut Names,
+) -> Checked<Vec<Entry>> {
+    let mut spawned = Vec::with_capacity(all.len());
+    let mut total = 0u64;
+    for (i, t) in all.iter().enumerate() {
+        let times = repeats(t).index(i).key("timeline")?;
+        total = total.saturating_add(times);
+        if total > limits::TIMELINE_MAX {
+            let limit = format!("at most {} actions in all", limits::TIMELINE_MAX);
+            return Err(Wrong::new(format!("makes {total} actions"), limit)
+                .key("times")
+                .index(i)
+                .key("timeline"));
+        }
+        spawned.push(spawn(t, times, library, census, names).key("spawn").index(i).key("timeline")?);
+    }
+    let mut out = Vec::with_capacity(all.len());
+    for (i, (t, spawned)) in all.iter().zip(spawned).enumerate() {
+        let action = action(t, spawned, names).index(i).key("timeline")?;
+        out.push(Entry { at: t.at, every: t.every.unwrap_or(0.0), times: t.times.unwrap_or(1), action });
+    }
+    Ok(out)
+}
+
+fn repeats(t: &TimelineSpec) -> Checked<u64> {
+    time(t.at).key("at")?;
+    match (t.every, t.times) {
+        (None, Some(n)) if n > 1 => Err(Wrong::new(format!("is {n}"), "`every` beside it").key("times")),
+        (Some(e), _) if !(1e-6..=1e7).contains(&e) => {
+            Err(Wrong::new(format!("is {e}"), "1e-6 to 1e7 s").key("every"))
+        }
+        (_, Some(0)) => Err(Wrong::new("is 0", "1 or more").key("times")),
+        (_, n) => Ok(n.unwrap_or(1)),
+    }
+}
+
+fn spawn(
+    t: &TimelineSpec,
+    times: u64,
+    library: &mut Library,
+    census: &mut Census,
+    names: &mut Names,
+) -> Checked<Vec<Group>> {
+    let mut groups = Vec::new();
+    for (i, b) in t.spawn.iter().flat_map(|s| &s.bodies).enumerate() {
+        let under = |w: Wrong| w.index(i).key("bodies");
+        let mut g = group(b, library, census).map_err(under)?;
+        census.add((times - 1).saturating_mul(g.len() as u64), b.shapes.len() as u64).map_err(under)?;
+        g.single &= times == 1;
+        g.names(times).and_then(|all| all.iter().try_for_each(|(n, c)| names.add(n, *c))).map_err(under)?;
+        groups.push(g);
+    }
+    Ok(groups)
+}
+
+fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names) -> Checked<Action> {
+    let given = [
+        ("spawn", t.spawn.is_some()),
+        ("push", t.push.is_some()),
+        ("set_velocity", t.set_velocity.is_some()),
+        ("remove", t.remove.is_some()),
+        ("teleport", t.teleport.is_some()),
+        ("move_to", t.move_to.is_some()),
+        ("set_gravity", t.set_gravity.is_some()),
+        ("wake", t.wake.is_some()),
+        ("sleep", t.sleep.is_some()),
+        ("enable", t.enable.is_some()),
+    ];
+    let n = given.iter().filter(|(_, there)| *there).count();
+    if n != 1 {
+        let all: Vec<&str> = given.iter().map(|(n, _)| *n).collect();
+        return Err(Wrong::new(
+            format!("the entry has {n} actions"),
+            format!("exactly one of {}", all.join(", ")),
+        ));
+    }
+    let find = |name: &str, key: &str| names.resolve(name).key("body").key(key);
+    if let Some(p) = &t.push {
+        return push(p, names).key("push");
+    }
+    if let Some(v) = &t.set_velocity {
+        let velocity = v
+            .velocity
+            .map(|x| bounded(x, SPEED_MAX, "m/s"))
+            .transpose()
+            .key("velocity")
+            .key("set_velocity")?;
+        let angular = v.angular_velocity.map(|x| bounded(x, SPIN_MAX, "rad/s")).transpose();
+        let angular_velocity = angular.key("angular_velocity").key("set_velocity")?;
+        return Ok(Action::SetVelocity {
+            target: find(&v.body, "set_velocity")?,
+            velocity,
+            angular_velocity,
+        });
+    }
+    if let Some(r) = &t.remove {
+        return find(&r.body, "remove").map(Action::Remove);
+    }
+    if let Some(p) = &t.teleport {
+        let (target, position, rotation, _) = place(p, names).key("teleport")?;
+        return Ok(Action::Teleport { target, position, rotation });
+    }
+    if let Some(p) = &t.move_to {
+        let (target, position, rotation, duration) = place(p, names).key("move_to")?;
+        return Ok(Action::MoveTo { target, position, rotation, duration });
+    }
+    if let Some(g) = &t.set_gravity {
+        return bounded(g.gravity, 1e6, "m/s²").map(Action::SetGravity).key("gravity").key("set_gravity");
+    }
+    if let Some(w) = &t.wake {
+        return find(&w.body, "wake").map(Action::Wake);
+    }
+    if let Some(w) = &t.sleep {
+        return find(&w.body, "sleep").map(Action::Sleep);
+    }
+    if let Some(e) = &t.enable {
+        return Ok(Action::Enable(find(&e.body, "enable")?, e.enabled));
+    }
+    Ok(Action::Spawn(spawned))
+}
+
+fn bounded(v: [f32; 3], limit: f32, unit: &str) -> Checked<Vec3> {
+    if v.iter().all(|x| x.abs() <= limit) {
+        return Ok(Vec3::from_array(v));
+    }
+    Err(Wrong::new(format!("is {v:?}"), format!("within ±{limit:e} {unit}")))
+}
+
+fn world_point(p: [f64; 3]) -> Checked<DVec3> {
+    if p.iter().all(|x| x.abs() <= POSITION_MAX) {
+        return Ok(DVec3::from_array(p));
+    }
+    Err(Wrong::new(format!("is {p:?}"), "within ±1e9 m"))
+}
+
+fn push(p: &PushSpec, names: &Names) -> Checked<Action> {
+    let target = names.resolve(&p.body).key("body")?;
+    let limited = |v: Option<[f32; 3]>, key: &str| v.map(|v| bounded(v, FORCE_MAX, "")).transpose().key(key);
+    let push = Push {
+        impulse: limited(p.impulse, "impulse")?,
+        angular_impulse: limited(p.angular_impulse, "angular_impulse")?,
+        force: limited(p.force, "force")?,
+        torque: limited(p.torque, "torque")?,
+        at: p.at_point.map(world_point).transpose().key("at_point")?,
+    };
+    let lasting = push.force.is_some() || push.torque.is_some();
+    if !lasting && push.impulse.is_none() && push.angular_impulse.is_none() {
+        return Err(Wrong::new("nothing is pushed with", "impulse, angular_impulse, force or torque"));
+    }
+    if p.duration.is_some() && !lasting {
+        return Err(Wrong::new("is given without force or torque", "duration only with force or torque")
+            .key("duration"));
+    }
+    let duration = time(p.duration.unwrap_or(0.0)).key("duration")?;
+    Ok(Action::Push { target, push, duration })
+}
+
+type Placed = (Target, Option<DVec3>, Option<Quat>, f64);
+
+fn place(p: &PlaceSpec, names: &Names) -> Checked<Placed> {
+    let target = names.resolve(&p.body).key("body")?;
+    let turned = rotation(p.rotation_deg, p.rotation)?;
+    let turned = (p.rotation_deg.is_some() || p.rotation.is_some()).then_some(turned);
+    let position = p.position.map(world_point).transpose().key("position")?;
+    if position.is_none() && turned.is_none() {
+        return Err(Wrong::new("there is no pose", "position, rotation_deg or rotation"));
+    }
+    Ok((target, position, turned, time(p.duration.unwrap_or(0.0)).key("duration")?))
+}

@@ -1,0 +1,99 @@
+//! Hand-broken scene files: each is refused at the right line and key, in the right words.
+
+use jounce_scene::{LoadOptions, Scene, SceneError};
+use std::path::{Path, PathBuf};
+
+/// File, line, key path, and a part of the message.
+const BROKEN: &[(&str, usize, &str, &str)] = &[
+    ("unknown_key", 9, "bodies[1].positoin", "unknown key; expected one of name, type, position"),
+    ("unknown_top_key", 4, "body", "(did you mean `bodies`?)"),
+    ("unknown_shape", 11, "bodies[1].shapes[1].shpere", "(did you mean `sphere`?)"),
+    ("trailing_comma", 11, "bodies[1].shapes[1]", "no comma before a closing bracket"),
+    ("missing_comma", 10, "bodies[1]", "expected `,` or `}`"),
+    ("comment", 9, "bodies[1]", "comments are not part of JSON"),
+    ("truncated", 6, "bodies[0]", "the file ends here"),
+    ("nan", 10, "bodies[1].position[1]", "found `NaN`; expected a finite number"),
+    ("infinite", 10, "bodies[1].position[2]", "1e999 is out of range"),
+    ("duplicate_key", 11, "bodies[1].position", "the key is given twice"),
+    ("wrong_type_string", 9, "bodies[1].velocity", "string \"fast\"; expected an array of length 3"),
+    ("wrong_type_number", 10, "bodies[1].shapes[0].box.half", "expected an array of length 3"),
+    ("short_array", 11, "bodies[1].shapes[0].box.half", "expected an array of length 3"),
+    ("missing_key", 10, "bodies[1].shapes[0].sphere", "the key `radius` is missing"),
+    ("missing_version", 1, "(top level)", "the key `jounce` is missing"),
+    ("wrong_version", 3, "jounce", "version 2; expected 1"),
+    ("unknown_type", 5, "bodies[0].type", "(did you mean `dynamic`?)"),
+    ("negative_radius", 12, "bodies[1].shapes[1].sphere.radius", "is -1"),
+    ("two_kinds", 10, "bodies[1].shapes[0]", "the shape has 2 kinds: sphere, box"),
+    ("no_kind", 10, "bodies[1].shapes[0]", "the shape has no kind"),
+    ("unknown_material", 12, "bodies[1].shapes[0].material", "(did you mean `ice`?)"),
+    ("bad_material", 7, "materials.rubber.restitution", "is 1.5; expected 0 to 1"),
+    ("kinetic_above_static", 7, "materials.odd.kinetic_friction", "not above static_friction"),
+    ("bad_settings", 6, "settings.contact_hertz", "is -30"),
+    ("bad_substeps", 6, "step.substeps", "is 0; expected 1 to 64"),
+    ("fractional_substeps", 6, "step.substeps", "expected a whole number"),
+    ("missing_mesh_file", 6, "meshes.rock.file", "there is no such file"),
+    ("unknown_mesh", 6, "bodies[0].shapes[0].mesh.mesh", "there is no mesh \"level\""),
+    ("dynamic_half_space", 10, "bodies[1].shapes[0]", "put it on a fixed or kinematic body"),
+    ("huge_repeat", 11, "bodies[1].repeat.count", "at most 1048576 bodies"),
+    ("same_name_twice", 7, "bodies[2].name", "\"a\" is given to two bodies"),
+    ("unknown_probe_body", 5, "probes.height.body", "(did you mean `ball`?)"),
+    ("unknown_probe_value", 6, "probes.height.value", "(did you mean `position.y`?)"),
+    ("copies_without_aggregate", 5, "probes.height.body", "names 3 bodies"),
+    ("expect_without_probe", 5, "expect[0].probe", "there is no probe \"height\""),
+    ("push_nobody", 6, "timeline[1].push.body", "there is no body \"box\""),
+    ("two_actions", 5, "timeline[0]", "the entry has 2 actions"),
+    ("bad_color", 10, "bodies[1].color", "is \"reddish\"; expected a colour"),
+    ("both_rotations", 10, "bodies[1].rotation", "rotation or rotation_deg, not both"),
+    ("wrong_height_count", 7, "bodies[0].shapes[0].height_field.heights", "columns × rows = 6"),
+    ("full_scatter", 7, "scatter[0].min_distance", "the box has room for"),
+];
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/broken")
+}
+
+#[test]
+fn each_broken_file_is_refused_at_its_line() {
+    let mut wrong = Vec::new();
+    for (name, line, key, part) in BROKEN {
+        let e = match Scene::load(folder().join(format!("{name}.json")), &LoadOptions::default()) {
+            Ok(_) => {
+                wrong.push(format!("{name}: accepted"));
+                continue;
+            }
+            Err(e) => e,
+        };
+        let told = e.to_string();
+        let right = e.fault().is_some_and(|f| {
+            f.position.is_some_and(|p| p.line == *line) && f.key == *key && told.contains(part)
+        });
+        if !right || told.contains('\n') {
+            wrong.push(format!("{name}: wanted {line}: {key}: …{part}…\n    got {told}"));
+        }
+    }
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn the_table_names_every_file() {
+    let entries = std::fs::read_dir(folder()).expect("the folder is there");
+    let mut files: Vec<String> =
+        entries.filter_map(|e| Some(e.ok()?.path().file_stem()?.to_str()?.to_string())).collect();
+    files.sort();
+    let mut table: Vec<&str> = BROKEN.iter().map(|b| b.0).collect();
+    table.sort_unstable();
+    assert_eq!(files, table);
+    assert!(table.len() >= 30);
+}
+
+#[test]
+fn absent_assets_skip_the_scene() {
+    let text = r#"{"jounce": 1, "meshes": {"a": {"file": "assets:box3d/stairs.obj"}}}"#;
+    let options = LoadOptions { assets: "no/such/folder".into() };
+    let e = Scene::from_str(text, "a.json", &options).expect_err("skipped");
+    assert!(matches!(&e, SceneError::Skipped(why) if why.contains("no/such/folder")), "{e}");
+    // With the folder there, a file that is not there is a mistake.
+    let options = LoadOptions { assets: folder() };
+    let e = Scene::from_str(text, "a.json", &options).expect_err("refused");
+    assert_eq!(e.fault().map(|f| f.key.as_str()), Some("meshes.a.file"), "{e}");
+}
