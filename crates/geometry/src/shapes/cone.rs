@@ -122,8 +122,14 @@ pub(super) fn closest(half_height: f32, radius: f32, point: Vec3) -> PointHit {
     let at = |a: f32, y: f32| u * a + Vec3::Y * y;
     // Closest point on the side: foot on the segment from the rim (r, −h) along (−ny, nr) to the tip.
     let length = (4.0 * h * h + r * r).sqrt();
-    let along = f32s::clamp((rho - r) * -ny + (point.y + h) * nr, 0.0, length);
-    let side = (r - ny * along, -h + nr * along);
+    let foot = (rho - r) * -ny + (point.y + h) * nr;
+    let side = if foot <= 0.0 {
+        (r, -h)
+    } else if foot >= length {
+        (0.0, h)
+    } else {
+        (r - ny * foot, -h + nr * foot)
+    };
     let base = (f32s::min(rho, r), -h);
     let above_side = (rho - r) * nr + (point.y + h) * ny;
     if above_side <= 0.0 && point.y >= -h {
@@ -134,8 +140,16 @@ pub(super) fn closest(half_height: f32, radius: f32, point: Vec3) -> PointHit {
             PointHit { point: at(rho, -h), distance: -(point.y + h), normal: -Vec3::Y, sub: NO_SUB }
         };
     }
+    if above_side > 0.0 && foot > 0.0 && foot < length {
+        let q = at(rho - nr * above_side, point.y - ny * above_side);
+        return PointHit { point: q, distance: above_side, normal: at(nr, ny), sub: NO_SUB };
+    }
     let d2 = |q: (f32, f32)| (rho - q.0) * (rho - q.0) + (point.y - q.1) * (point.y - q.1);
     let q = if d2(side) < d2(base) { side } else { base };
-    let (normal, distance) = at(rho - q.0, point.y - q.1).try_normalize().unwrap_or((at(nr, ny), 0.0));
+    // Of a gap near rounding the direction means nothing.
+    let (normal, distance) = match at(rho - q.0, point.y - q.1).try_normalize() {
+        Some((n, d)) if d > 1e-6 * (h + r) => (n, d),
+        other => (at(nr, ny), other.map_or(0.0, |(_, d)| d)),
+    };
     PointHit { point: at(q.0, q.1), distance, normal, sub: NO_SUB }
 }

@@ -144,10 +144,8 @@ impl HeightField {
         if !self.aabb().overlaps(aabb) {
             return;
         }
-        let (i0, i1) = (self.cell_x(aabb.min.x), self.cell_x(aabb.max.x));
-        let (j0, j1) = (self.cell_z(aabb.min.z), self.cell_z(aabb.max.z));
-        for j in j0..=j1 {
-            for i in i0..=i1 {
+        for j in self.cells_z(aabb.min.z, aabb.max.z) {
+            for i in self.cells_x(aabb.min.x, aabb.max.x) {
                 let cell = 2 * (j * (self.columns - 1) + i) as u32;
                 for index in [cell, cell + 1] {
                     if let Some(t) = self.triangle(index) {
@@ -176,14 +174,13 @@ impl HeightField {
     fn vertex(&self, i: usize, j: usize) -> Vec3 {
         Vec3::new(self.x_of(i), self.heights[j * self.columns + i], self.z_of(j))
     }
-    /// Column of cells that holds x, clamped to the grid (the saturating cast takes care of any float).
-    fn cell_x(&self, x: f32) -> usize {
-        let i = x / self.spacing[0] + 0.5 * (self.columns - 1) as f32;
-        (i as usize).min(self.columns - 2)
+    /// Columns of cells from x0 to x1, a little widened (touching counts, and rounding must lose none) and clamped to
+    /// the grid (the saturating cast takes care of any float).
+    fn cells_x(&self, x0: f32, x1: f32) -> core::ops::RangeInclusive<usize> {
+        cells(x0 / self.spacing[0], x1 / self.spacing[0], self.columns - 1)
     }
-    fn cell_z(&self, z: f32) -> usize {
-        let j = z / self.spacing[1] + 0.5 * (self.rows - 1) as f32;
-        (j as usize).min(self.rows - 2)
+    fn cells_z(&self, z0: f32, z1: f32) -> core::ops::RangeInclusive<usize> {
+        cells(z0 / self.spacing[1], z1 / self.spacing[1], self.rows - 1)
     }
     fn block_columns(&self) -> usize {
         (self.columns - 1).div_ceil(BLOCK)
@@ -312,6 +309,11 @@ impl HeightField {
         let d2 = samples.map(|(i, j)| (self.vertex(i, j) - center).length_squared());
         d2.fold(0.0f32, |m, d| f32s::max(d, m)).sqrt()
     }
+}
+
+fn cells(g0: f32, g1: f32, count: usize) -> core::ops::RangeInclusive<usize> {
+    let cell = |g: f32| ((g + 0.5 * count as f32) as usize).min(count - 1);
+    cell(g0 - 2e-3)..=cell(g1 + 2e-3)
 }
 
 fn normal(t: &[Vec3; 3]) -> Vec3 {

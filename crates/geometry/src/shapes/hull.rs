@@ -5,7 +5,7 @@
 //! ∫x xᵀ = det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ), s = a + b + c. I = tr(C) 1 − C for the covariance C.
 
 use super::{Hit, MassProperties, PointHit, triangle};
-use crate::{Aabb, Hull, NO_SUB};
+use crate::{Aabb, Hull, HullFace, NO_SUB};
 use jounce_math::{DMat3, DVec3, Pose, Vec3};
 
 pub(super) fn aabb(hull: &Hull, pose: &Pose) -> Aabb {
@@ -78,15 +78,18 @@ pub(super) fn ray(hull: &Hull, origin: Vec3, dir: Vec3, max_t: f32) -> Option<Hi
 
 pub(super) fn closest(hull: &Hull, point: Vec3) -> PointHit {
     let mut best = PointHit { point, distance: f32::NEG_INFINITY, normal: Vec3::Y, sub: NO_SUB };
+    let mut best_face = None;
     for f in &hull.faces {
         let height = f.normal.dot(point) - f.offset;
         if height > best.distance {
             best.distance = height;
             best.normal = f.normal;
+            best_face = Some(f);
         }
     }
-    if best.distance <= 0.0 {
-        best.point = point - best.normal * best.distance;
+    // Inside, or straight above a face: its own normal is exact however near the point is.
+    best.point = point - best.normal * best.distance;
+    if best.distance <= 0.0 || best_face.is_some_and(|f| holds(hull, f, point)) {
         return best;
     }
     // Outside: the nearest point lies on a face that the point is in front of.
@@ -104,6 +107,23 @@ pub(super) fn closest(hull: &Hull, point: Vec3) -> PointHit {
             }
         }
     }
-    (best.normal, best.distance) = (point - best.point).try_normalize().unwrap_or((face_normal, 0.0));
+    // Of a gap near rounding the direction means nothing.
+    let noise = 1e-6 * (hull.aabb.max - hull.aabb.min).max_component();
+    (best.normal, best.distance) = match (point - best.point).try_normalize() {
+        Some((n, d)) if d > noise => (n, d),
+        other => (face_normal, other.map_or(0.0, |(_, d)| d)),
+    };
     best
+}
+
+/// Is the point above or below the inside of a face?
+fn holds(hull: &Hull, face: &HullFace, point: Vec3) -> bool {
+    let corners = hull.face_vertices(face);
+    let mut a = hull.vertices[usize::from(corners[corners.len() - 1])];
+    corners.iter().all(|&c| {
+        let b = hull.vertices[usize::from(c)];
+        let left = face.normal.cross(b - a).dot(point - a) >= 0.0;
+        a = b;
+        left
+    })
 }
