@@ -258,8 +258,7 @@ impl World {
             return Ok(());
         }
         let state = &mut self.awake.state[body.row as usize];
-        state.v = v.unwrap_or(state.v);
-        state.w = w.unwrap_or(state.w);
+        state.set_velocity(v.unwrap_or(state.v()), w.unwrap_or(state.w()));
         Ok(())
     }
 
@@ -497,7 +496,7 @@ impl World {
         debug_assert!(b.row == NONE && b.enabled && b.kind != BodyKind::Fixed);
         b.row = self.awake.state.len() as u32;
         self.frames[slot as usize].row = b.row;
-        self.awake.state.push(BodyState { v: b.velocity, w: b.angular_velocity, ..BodyState::FIXED });
+        self.awake.state.push(BodyState::new(b.velocity, b.angular_velocity));
         self.awake.step.push(BodyStep {
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
@@ -534,7 +533,7 @@ impl World {
         }
         self.frames[slot as usize].row = NONE;
         let b = &mut self.bodies[slot];
-        (b.velocity, b.angular_velocity, b.row) = (state.v, state.w, NONE);
+        (b.velocity, b.angular_velocity, b.row) = (state.v(), state.w(), NONE);
     }
 
     /// Copies what the integrator needs from the record to the row.
@@ -573,10 +572,10 @@ impl World {
         self.forget_tests(slot);
         let body = &mut self.bodies[slot];
         body.mass = m;
-        let w = self.awake.state.get(body.row as usize).map_or(body.angular_velocity, |s| s.w);
+        let w = self.awake.state.get(body.row as usize).map_or(body.angular_velocity, |s| s.w());
         let dv = w.cross(shift);
         match self.awake.state.get_mut(body.row as usize) {
-            Some(s) => s.v += dv,
+            Some(s) => s.set_velocity(s.v() + dv, s.w()),
             None => body.velocity += dv,
         }
         self.refresh_row(slot);

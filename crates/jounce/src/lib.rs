@@ -55,6 +55,7 @@ pub use view::{BodyRef, ShapeRef};
 pub use world::{Advance, Counts, Energy, Momentum, World};
 
 pub use jounce_geometry as geometry;
+pub use jounce_lanes::Width;
 pub use jounce_math as math;
 pub use jounce_tasks as tasks;
 

@@ -11,6 +11,7 @@ use crate::settings::{Settings, WorldDesc};
 use crate::stage::Scratch;
 use crate::table::{PairMap, Table};
 use jounce_geometry::Bvh;
+use jounce_lanes::Width;
 use jounce_math::{DVec3, Quat, Vec3};
 use jounce_tasks::Tasks;
 
@@ -54,6 +55,8 @@ pub struct World {
     pub(crate) queue: Vec<Command>,
     pub(crate) hooks: Hooks,
     pub(crate) tasks: Tasks,
+    /// Lanes of the solver's kernels; changes no bit.
+    pub(crate) width: Width,
     pub(crate) scratch: Scratch,
 }
 
@@ -148,6 +151,7 @@ impl World {
             queue: Vec::new(),
             hooks: Hooks::default(),
             tasks: Tasks::serial(),
+            width: Width::detect(),
             scratch: Scratch::default(),
         })
     }
@@ -155,6 +159,10 @@ impl World {
     /// Which threads the steps run on. Changes no simulated bit.
     pub fn set_tasks(&mut self, tasks: Tasks) {
         self.tasks = tasks;
+    }
+    /// How many lanes the solver's kernels use; the widest of the machine by default. Changes no simulated bit.
+    pub fn set_width(&mut self, width: Width) {
+        self.width = width;
     }
     /// The scheduler in use.
     pub fn tasks(&self) -> &Tasks {
@@ -278,7 +286,7 @@ impl World {
             return (b.velocity, b.angular_velocity);
         }
         let s = &self.awake.state[b.row as usize];
-        (s.v, s.w)
+        (s.v(), s.w())
     }
 }
 

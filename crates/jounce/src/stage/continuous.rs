@@ -22,6 +22,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     let mut hits: Vec<(u32, f32)> = Vec::new();
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
         let body = &world.bodies[b.body];
+        let s = s.get();
         let moved = s.dp.length() + s.dr.length() * (body.mass.outer_radius - body.mass.inner_radius);
         if b.kind == BodyKind::Dynamic && moved > FAST * body.mass.inner_radius && moved.is_finite() {
             let t = first_hit(world, b.body);

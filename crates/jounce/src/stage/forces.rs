@@ -12,7 +12,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         let (s, b) = (&mut world.awake.state[i], &mut world.awake.step[i]);
         let f = &mut world.frames[b.body as usize];
         f.reset_interpolation();
-        (s.dp, s.dr, s.dq) = (Vec3::ZERO, Vec3::ZERO, Quat::IDENTITY);
+        s.rewind();
         match b.kind {
             BodyKind::Kinematic => aim(s, b, f, step.dt),
             _ => {
@@ -28,18 +28,20 @@ pub(crate) fn run(world: &mut World, step: &Step) {
 fn aim(s: &mut BodyState, b: &mut BodyStep, f: &BodyFrame, dt: f32) {
     let Some(target) = b.target else {
         if b.guided {
-            (s.v, s.w, b.guided) = (Vec3::ZERO, Vec3::ZERO, false);
+            s.set_velocity(Vec3::ZERO, Vec3::ZERO);
+            b.guided = false;
         }
         return;
     };
     b.guided = true;
     let center = target.transform_point(f.local_center);
-    s.v = (center - f.center).as_vec3() * (1.0 / dt);
+    let v = (center - f.center).as_vec3() * (1.0 / dt);
     let mut d = target.q * f.rotation.conjugate();
     if d.w < 0.0 {
         d = Quat::new(-d.x, -d.y, -d.z, -d.w);
     }
     let sin = d.xyz().length();
     let angle = 2.0 * f32s::atan2(sin, d.w);
-    s.w = if sin > 1e-12 { d.xyz() * (angle / (sin * dt)) } else { d.xyz() * (2.0 / dt) };
+    let w = if sin > 1e-12 { d.xyz() * (angle / (sin * dt)) } else { d.xyz() * (2.0 / dt) };
+    s.set_velocity(v, w);
 }

@@ -12,7 +12,12 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
         let f = &world.frames[b.body as usize];
         let inside = f.center.abs().max_component() <= limits::POSITION_MAX;
-        if !(inside && f.center.is_finite() && f.rotation.is_finite() && s.v.is_finite() && s.w.is_finite()) {
+        if !(inside
+            && f.center.is_finite()
+            && f.rotation.is_finite()
+            && s.v().is_finite()
+            && s.w().is_finite())
+        {
             bad.push(b.body);
         }
     }
@@ -26,7 +31,7 @@ fn quarantine(world: &mut World, slot: u32) {
     let f = &mut world.frames[slot as usize];
     (f.center, f.rotation) = (f.center0, f.rotation0);
     let row = world.bodies[slot].row as usize;
-    (world.awake.state[row].v, world.awake.state[row].w) = (Vec3::ZERO, Vec3::ZERO);
+    world.awake.state[row].set_velocity(Vec3::ZERO, Vec3::ZERO);
     for i in 0..world.bodies[slot].contacts.len() {
         forget_impulses(world, world.bodies[slot].contacts[i]);
     }

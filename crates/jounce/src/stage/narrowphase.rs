@@ -105,7 +105,7 @@ fn margin(world: &World, c: &Contact, bouncy: bool, dt: f32) -> f32 {
         world.awake.state.get(f.row as usize).map_or(0.0, |s| {
             let outer = world.bodies[body].mass.outer_radius;
             let a = world.awake.step[f.row as usize].acceleration.length();
-            (s.v.length() + a * dt + s.w.length() * outer) * dt
+            (s.v().length() + a * dt + s.w().length() * outer) * dt
         })
     };
     f32s::max(base, reach(c.body_a) + reach(c.body_b))
@@ -206,8 +206,9 @@ fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
 
 fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
-    let speed =
-        |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
+    let speed = |row: u32, r: Vec3| {
+        world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v() + s.w().cross(r))
+    };
     let (pa, pb) = (fa.rotation.rotate(m.points[0].on_a), fb.rotation.rotate(m.points[0].on_b));
     let n = m.normal;
     let v = speed(fb.row, pb) - speed(fa.row, pa) - m.surface.velocity;
@@ -254,8 +255,9 @@ fn ask_hook(
         bodies: [world.body_id(c.body_a), world.body_id(c.body_b)],
         user_data: [world.bodies[c.body_a].user_data, world.bodies[c.body_b].user_data],
     };
-    let speed =
-        |row: u32, r: Vec3| world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v + s.w.cross(r));
+    let speed = |row: u32, r: Vec3| {
+        world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v() + s.w().cross(r))
+    };
     let part = |s: u32| (s != NONE).then_some(s);
     let keep = |m: &mut ContactManifold| {
         let deepest =

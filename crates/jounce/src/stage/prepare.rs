@@ -1,12 +1,13 @@
 //! Colours the manifolds and fills the solver's rows.
 
 use super::Step;
-use crate::room::contacts::prepare::fill;
+use crate::room::contacts::prepare::{Prepare, Speeds, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
-use jounce_tasks::ColorSets;
+use jounce_lanes::dispatch;
+use jounce_tasks::{ColorSets, Row};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     color(world);
@@ -19,19 +20,29 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         list.resize_with(rows.len().div_ceil(per_block), Block::default);
         let shared: &World = world;
         shared.tasks.for_each(list, 1, |unit, block| {
-            block.any_rolling = false;
-            block.any_rebound = false;
-            block.count = [0; LANES];
             let from = unit * per_block;
             let to = (from + per_block).min(rows.len());
-            for (l, row) in rows[from..to].iter().enumerate() {
-                let (contact, manifold) = shared.scratch.rows[row.payload() as usize];
-                let c = &shared.contacts[contact as usize];
-                fill(block, l, c, c.get(manifold as usize), &shared.frames, &shared.awake, &step.constants);
-            }
+            fill_block(shared, block, &rows[from..to], step);
         });
     }
     world.scratch.blocks = blocks;
+}
+
+fn fill_block(world: &World, block: &mut Block, rows: &[Row], step: &Step) {
+    // Lanes without a row must be zero; a full block overwrites all that it reads.
+    if rows.len() < LANES {
+        *block = Block::default();
+    }
+    (block.any_rolling, block.any_rebound) = (false, false);
+    (block.rows, block.points_max) = (rows.len(), 0);
+    let mut speeds = Speeds::ZERO;
+    for (l, row) in rows.iter().enumerate() {
+        let (contact, manifold) = world.scratch.rows[row.payload() as usize];
+        let c = &world.contacts[contact as usize];
+        let m = c.get(manifold as usize);
+        fill(block, &mut speeds, l, c, m, &world.frames, &world.awake, &step.constants);
+    }
+    dispatch(world.width, Prepare { block, speeds: &speeds, constants: &step.constants });
 }
 
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.

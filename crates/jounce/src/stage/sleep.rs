@@ -73,7 +73,7 @@ fn keep_awake(world: &mut World) {
         let pushed = rows.iter().any(|&r| {
             r != NONE && {
                 let (s, b) = (&world.awake.state[r as usize], &world.awake.step[r as usize]);
-                b.kind == BodyKind::Kinematic && (s.v != Vec3::ZERO || s.w != Vec3::ZERO)
+                b.kind == BodyKind::Kinematic && (s.v() != Vec3::ZERO || s.w() != Vec3::ZERO)
             }
         });
         if carried || pushed {

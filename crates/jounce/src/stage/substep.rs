@@ -2,12 +2,14 @@
 
 use super::Step;
 use crate::event::Event;
-use crate::room::contacts::rows::{Block, LANES};
-use crate::room::contacts::{finish, impact, solve};
+use crate::room::contacts::rows::LANES;
+use crate::room::contacts::solve::{Pass, Sweep};
+use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
 use crate::room::rigid::solve::{Substep, integrate_position, integrate_velocity};
 use crate::room::rigid::state::{BodyState, NONE};
 use crate::world::World;
+use jounce_lanes::{Width, dispatch};
 use jounce_math::scalar::f32s;
 use jounce_tasks::ColorSets;
 
@@ -20,17 +22,17 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
     for _ in 0..step.substeps {
         velocities(world, step);
-        sweep(world, solve::warm_start);
-        sweep(world, |block, l, a, b| solve::solve(block, l, a, b, &step.constants));
+        sweep(world, Pass::Warm, step);
+        sweep(world, Pass::Solve, step);
         positions(world, step);
-        sweep(world, |block, l, a, b| solve::relax(block, l, a, b, &step.constants));
+        sweep(world, Pass::Relax, step);
     }
 }
 
 /// Restitution, impulses back to the manifolds, motion back to the frames.
 pub(crate) fn finish(world: &mut World, step: &Step) {
     if world.scratch.blocks.iter().flatten().any(|b| b.any_rebound) {
-        sweep(world, solve::restitution);
+        sweep(world, Pass::Restitution, step);
     }
     let stick_speed = world.settings.stick_speed;
     let mut contacts = core::mem::take(&mut world.contacts);
@@ -95,7 +97,9 @@ fn positions(world: &mut World, step: &Step) {
 }
 
 /// One pass over all colours, then the overflow rows in their order.
-fn sweep(world: &mut World, f: impl Fn(&mut Block, usize, &mut BodyState, &mut BodyState) + Sync) {
+fn sweep(world: &mut World, pass: Pass, step: &Step) {
+    let width = world.width;
+    let constants = &step.constants;
     let scratch = &mut world.scratch;
     let states = &mut world.awake.state;
     for (color, blocks) in scratch.blocks.iter_mut().enumerate().take(ColorSets::COLORS) {
@@ -110,18 +114,12 @@ fn sweep(world: &mut World, f: impl Fn(&mut Block, usize, &mut BodyState, &mut B
             BodyState::FIXED,
             blocks,
             |access, rows, block| {
-                for (l, row) in rows.enumerate() {
-                    let (mut a, mut b) = access.load(row);
-                    f(block, l, &mut a, &mut b);
-                    access.store(row, a, b);
-                }
+                dispatch(width, Sweep { pass, access, rows, block, constants });
             },
         );
     }
     let overflow = &mut scratch.blocks[ColorSets::COLORS];
     scratch.colors.scatter_overflow(states, BodyState::FIXED, overflow, |access, row, block| {
-        let (mut a, mut b) = access.load(row);
-        f(block, 0, &mut a, &mut b);
-        access.store(row, a, b);
+        dispatch(Width::X1, Sweep { pass, access, rows: row..row + 1, block, constants });
     });
 }

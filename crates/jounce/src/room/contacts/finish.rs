@@ -45,7 +45,7 @@ pub(crate) fn store(
     m.rolling = block.rolling_impulse.get(l);
     let slip_along = |t: Vec3, i: usize| {
         let j = &block.friction[i];
-        t.dot(b.v - a.v) + j.b.get(l).dot(b.w) - j.a.get(l).dot(a.w) - block.surface_speed[i][l]
+        t.dot(b.v() - a.v()) + j.b.get(l).dot(b.w()) - j.a.get(l).dot(a.w()) - block.surface_speed[i][l]
     };
     let slip = t1 * slip_along(t1, 0) + t2 * slip_along(t2, 1);
     let saturated = f1 * f1 + f2 * f2 >= 0.999_998 * (block.mu[l] * bound) * (block.mu[l] * bound);

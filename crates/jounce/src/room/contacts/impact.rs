@@ -95,7 +95,7 @@ fn with_mass(mut i: Impact, awake: &Awake) -> Impact {
 }
 
 fn approach(i: &Impact, awake: &Awake) -> f32 {
-    let [a, b] = i.rows.map(|r| awake.state[r as usize]);
+    let [a, b] = i.rows.map(|r| awake.state[r as usize].get());
     i.normal.dot(b.v + b.w.cross(i.rb) - a.v - a.w.cross(i.ra))
 }
 
@@ -104,8 +104,7 @@ fn push(i: &Impact, awake: &mut Awake, lambda: f32) {
     for (row, r, sign) in [(i.rows[0], i.ra, -1.0), (i.rows[1], i.rb, 1.0)] {
         let t = awake.inertia[row as usize];
         let s = &mut awake.state[row as usize];
-        s.v += p * (sign * t.inv_mass);
-        s.w += t.mul(r.cross(p)) * sign;
+        s.set_velocity(s.v() + p * (sign * t.inv_mass), s.w() + t.mul(r.cross(p)) * sign);
     }
 }
 

@@ -1,9 +1,11 @@
-//! From manifolds to solver rows, once per step.
+//! From manifolds to solver rows, once per step: [`fill`] copies a manifold into its lane, [`Prepare`] then computes
+//! Jacobians and effective masses for all lanes of a block at once.
 
-use super::rows::{Block, Jacobian, LANES, Lane};
+use super::rows::{Block, LANES, Lane, Wide3};
 use super::state::{Contact, ContactManifold};
 use crate::room::rigid::state::{Awake, BodyFrame, BodyState, InvInertia};
 use crate::settings::Settings;
+use jounce_lanes::{Kernel, Lanes};
 use jounce_math::{Mat3, Vec3, scalar::f32s};
 
 /// A soft constraint's three numbers; see the room's text.
@@ -56,45 +58,51 @@ impl StepConstants {
     }
 }
 
-/// One body as a row sees it.
-#[derive(Clone, Copy)]
-pub(crate) struct Side {
-    pub state: BodyState,
-    pub inertia: InvInertia,
-    pub acceleration: Vec3,
-}
-
-impl Side {
-    pub fn of(awake: &Awake, frame: &BodyFrame) -> Self {
-        match awake.state.get(frame.row as usize) {
-            Some(state) => Self {
-                state: *state,
-                inertia: awake.inertia[frame.row as usize],
-                acceleration: awake.step[frame.row as usize].acceleration,
-            },
-            None => {
-                Self { state: BodyState::FIXED, inertia: InvInertia::default(), acceleration: Vec3::ZERO }
-            }
-        }
-    }
-}
-
 /// Speed V at which two surfaces meet, and half a substep of their relative acceleration: restitution
-/// leaves with e V + a h/2.
+/// leaves with e V + a h/2. Lane by lane.
 ///
 /// The velocity of semi-implicit Euler is half a substep late: u²/2 + a s + (a h/2) u is what it keeps along a fall,
 /// so V² = (u + a h/2)² + 2 a s for the approach speed u at the gap s. With the pre-step speed u alone, a ball loses 9 % of its
 /// height at each bounce.
-pub(crate) fn impact_speed(approach: f32, acceleration: f32, gap: f32, h: f32) -> (f32, f32) {
-    let a = f32s::max(acceleration, 0.0);
-    let u = approach + 0.5 * a * h;
-    let v2 = u * u + 2.0 * a * gap;
-    (f32s::max(v2, 0.0).sqrt(), 0.5 * a * h)
+#[inline(always)]
+pub(crate) fn impact_speed<L: Lanes>(approach: L, acceleration: L, gap: L, h: f32) -> (L, L) {
+    let a = acceleration.max(L::zero());
+    let half = L::splat(0.5 * h) * a;
+    let u = approach + half;
+    let v2 = u * u + L::splat(2.0) * a * gap;
+    (v2.max(L::zero()).sqrt(), half)
 }
 
-/// Fills one lane of a block from a manifold.
+/// One body as a row sees it.
+fn side(awake: &Awake, frame: &BodyFrame) -> (BodyState, InvInertia, Vec3) {
+    let row = frame.row as usize;
+    match awake.state.get(row) {
+        Some(state) => (*state, awake.inertia[row], awake.step[row].acceleration),
+        None => (BodyState::FIXED, InvInertia::default(), Vec3::ZERO),
+    }
+}
+
+/// Velocities of the two bodies of every row of a block, gathered while filling.
+pub(crate) struct Speeds {
+    va: super::rows::LaneVec,
+    wa: super::rows::LaneVec,
+    vb: super::rows::LaneVec,
+    wb: super::rows::LaneVec,
+}
+
+impl Speeds {
+    pub const ZERO: Self = Self {
+        va: super::rows::LaneVec::ZERO,
+        wa: super::rows::LaneVec::ZERO,
+        vb: super::rows::LaneVec::ZERO,
+        wb: super::rows::LaneVec::ZERO,
+    };
+}
+
+/// Copies a manifold into a lane.
 pub(crate) fn fill(
     block: &mut Block,
+    speeds: &mut Speeds,
     l: usize,
     c: &Contact,
     m: &ContactManifold,
@@ -102,153 +110,201 @@ pub(crate) fn fill(
     awake: &Awake,
     k: &StepConstants,
 ) {
-    let (fa, fb) = (&frames[c.body_a as usize], &frames[c.body_b as usize]);
-    let (a, b) = (Side::of(awake, fa), Side::of(awake, fb));
-    let normal = m.normal;
-    let (tangent, bitangent) = normal.orthonormal_basis();
-    let (ma, mb) = (a.inertia.inv_mass, b.inertia.inv_mass);
-    block.normal.set(l, normal);
-    block.tangent.set(l, tangent);
-    block.inv_mass_a[l] = ma;
-    block.inv_mass_b[l] = mb;
-    let soft = if ma == 0.0 || mb == 0.0 { k.fixed } else { k.moving };
+    let l = l % LANES;
+    let (a, inertia_a, acceleration_a) = side(awake, &frames[c.body_a as usize]);
+    let (b, inertia_b, acceleration_b) = side(awake, &frames[c.body_b as usize]);
+    speeds.va.set(l, a.v());
+    speeds.wa.set(l, a.w());
+    speeds.vb.set(l, b.v());
+    speeds.wb.set(l, b.w());
+    block.normal.set(l, m.normal);
+    block.offset.set(l, m.offset);
+    block.acceleration.set(l, acceleration_b - acceleration_a);
+    block.inv_mass_a[l] = inertia_a.inv_mass;
+    block.inv_mass_b[l] = inertia_b.inv_mass;
+    set_inertia(&mut block.inertia_a, l, &inertia_a);
+    set_inertia(&mut block.inertia_b, l, &inertia_b);
+    let soft = if inertia_a.inv_mass == 0.0 || inertia_b.inv_mass == 0.0 { k.fixed } else { k.moving };
     block.bias_rate[l] = soft.bias_rate;
     block.mass_scale[l] = soft.mass_scale;
     block.impulse_scale[l] = soft.impulse_scale;
-    block.count[l] = m.count;
-    let center = fill_points(block, l, m, [&a, &b], k);
-    fill_friction(block, l, m, [normal, tangent, bitangent], center, [&a, &b], k);
-}
-
-/// The points; gives the friction centre relative to A.
-fn fill_points(
-    block: &mut Block,
-    l: usize,
-    m: &ContactManifold,
-    sides: [&Side; 2],
-    k: &StepConstants,
-) -> Vec3 {
-    let [a, b] = sides;
-    let normal = m.normal;
-    let acceleration = -normal.dot(b.acceleration - a.acceleration);
-    let (mut center, mut weights) = (Vec3::ZERO, 0.0);
-    let mut levers = [Vec3::ZERO; 4];
-    for (i, rows) in block.points.iter_mut().enumerate() {
-        if i >= usize::from(m.count) {
-            clear_point(rows, l);
-            continue;
-        }
-        let p = &m.points[i];
-        let s = p.separation;
-        let ra = p.arm;
-        let rb = ra - m.offset;
-        levers[i] = ra;
-        let mass = set_jacobian(&mut rows.j, l, normal, ra, rb, a, b);
-        rows.separation[l] = s;
-        rows.mass[l] = mass;
+    let count = usize::from(m.count).min(4);
+    block.points_max = block.points_max.max(count);
+    for (rows, p) in block.points.iter_mut().zip(&m.points) {
+        rows.j.a.set(l, p.arm);
+        rows.separation[l] = p.separation;
         rows.impulse[l] = p.impulse * k.warm;
-        rows.total[l] = 0.0;
-        let vn = normal.dot(b.state.v - a.state.v)
-            + ra.cross(normal).dot(-a.state.w)
-            + rb.cross(normal).dot(b.state.w);
-        rows.rebound[l] = 0.0;
-        rows.approach[l] = -vn;
-        if m.surface.restitution > 0.0 && vn < 0.0 {
-            let (speed, half) = impact_speed(-vn, acceleration, s, k.h);
-            if speed > k.restitution_speed {
-                rows.rebound[l] = m.surface.restitution * speed + half;
-                block.any_rebound = true;
-            }
-        }
-        // A point about to open counts less, so that the friction centre moves smoothly; those beyond twice the
-        // margin are only there for continuous collision.
-        let weight = f32s::clamp(2.0 - s * k.inv_margin, 1e-10, 1.0);
-        center += ra * weight;
-        weights += weight;
+        rows.mass[l] = 1.0;
     }
-    let center = center / weights;
-    for (i, rows) in block.points.iter_mut().enumerate().take(usize::from(m.count)) {
-        rows.lever[l] = (levers[i] - center).length();
+    for rows in &mut block.points[count..] {
+        rows.j.a.set(l, Vec3::ZERO);
+        rows.separation[l] = 0.0;
+        rows.impulse[l] = 0.0;
+        rows.mass[l] = 0.0;
     }
-    center
-}
-
-fn clear_point(rows: &mut super::rows::PointRows, l: usize) {
-    rows.mass[l] = 0.0;
-    rows.impulse[l] = 0.0;
-    rows.total[l] = 0.0;
-    rows.separation[l] = 0.0;
-    rows.rebound[l] = 0.0;
-    rows.lever[l] = 0.0;
-    for v in [&mut rows.j.a, &mut rows.j.b, &mut rows.j.ia, &mut rows.j.ib] {
-        v.set(l, Vec3::ZERO);
-    }
-}
-
-/// Sets a direction's Jacobian and gives its effective mass.
-fn set_jacobian(j: &mut Jacobian, l: usize, dir: Vec3, ra: Vec3, rb: Vec3, a: &Side, b: &Side) -> f32 {
-    let (ja, jb) = (ra.cross(dir), rb.cross(dir));
-    let (ia, ib) = (a.inertia.mul(ja), b.inertia.mul(jb));
-    j.a.set(l, ja);
-    j.b.set(l, jb);
-    j.ia.set(l, ia);
-    j.ib.set(l, ib);
-    let k = a.inertia.inv_mass + b.inertia.inv_mass + ja.dot(ia) + jb.dot(ib);
-    if k > 0.0 { 1.0 / k } else { 0.0 }
-}
-
-fn fill_friction(
-    block: &mut Block,
-    l: usize,
-    m: &ContactManifold,
-    axes: [Vec3; 3],
-    center: Vec3,
-    sides: [&Side; 2],
-    k: &StepConstants,
-) {
-    let [normal, t1, t2] = axes;
-    let [a, b] = sides;
-    let (ra, rb) = (center, center - m.offset);
-    set_jacobian(&mut block.friction[0], l, t1, ra, rb, a, b);
-    set_jacobian(&mut block.friction[1], l, t2, ra, rb, a, b);
-    let [f1, f2] = &block.friction;
-    let m0 = a.inertia.inv_mass + b.inertia.inv_mass;
-    let xx = m0 + f1.a.get(l).dot(f1.ia.get(l)) + f1.b.get(l).dot(f1.ib.get(l));
-    let yy = m0 + f2.a.get(l).dot(f2.ia.get(l)) + f2.b.get(l).dot(f2.ib.get(l));
-    let xy = f1.a.get(l).dot(f2.ia.get(l)) + f1.b.get(l).dot(f2.ib.get(l));
-    let det = xx * yy - xy * xy;
-    let inv = if det > 0.0 { 1.0 / det } else { 0.0 };
-    block.friction_mass[0][l] = yy * inv;
-    block.friction_mass[1][l] = -xy * inv;
-    block.friction_mass[2][l] = xx * inv;
-    block.friction_impulse[0][l] = m.friction.dot(t1) * k.warm;
-    block.friction_impulse[1][l] = m.friction.dot(t2) * k.warm;
-    block.friction_total[0][l] = 0.0;
-    block.friction_total[1][l] = 0.0;
-    block.surface_speed[0][l] = m.surface.velocity.dot(t1);
-    block.surface_speed[1][l] = m.surface.velocity.dot(t2);
-    block.mu[l] = if m.stick { m.surface.static_friction } else { m.surface.kinetic_friction };
-    let (ia, ib) = (a.inertia.mul(normal), b.inertia.mul(normal));
-    let kt = normal.dot(ia) + normal.dot(ib);
-    block.twist_ia.set(l, ia);
-    block.twist_ib.set(l, ib);
-    block.twist_mass[l] = if kt > 0.0 { 1.0 / kt } else { 0.0 };
+    let s = &m.surface;
+    block.restitution[l] = s.restitution;
+    block.any_rebound |= s.restitution > 0.0;
+    block.friction_world.set(l, m.friction * k.warm);
+    block.surface_velocity.set(l, s.velocity);
+    block.mu[l] = if m.stick { s.static_friction } else { s.kinetic_friction };
     block.twist_impulse[l] = m.twist * k.warm;
-    block.twist_patch[l] = m.surface.twist_friction;
-    block.rolling[l] = m.surface.rolling_friction;
-    if m.surface.rolling_friction > 0.0 {
-        block.any_rolling = true;
-        let sum = a.inertia.to_mat3() + b.inertia.to_mat3();
-        set_symmetric(&mut block.rolling_mass, l, &sum.inverse().unwrap_or(Mat3::ZERO));
-        set_symmetric(&mut block.rolling_ia, l, &a.inertia.to_mat3());
-        set_symmetric(&mut block.rolling_ib, l, &b.inertia.to_mat3());
-    }
+    block.twist_patch[l] = s.twist_friction;
+    block.rolling[l] = s.rolling_friction;
     block.rolling_impulse.set(l, m.rolling * k.warm);
+    let mut rolling_mass = Mat3::ZERO;
+    if s.rolling_friction > 0.0 {
+        block.any_rolling = true;
+        let sum = inertia_a.to_mat3() + inertia_b.to_mat3();
+        rolling_mass = sum.inverse().unwrap_or(Mat3::ZERO);
+    }
+    if block.any_rolling {
+        let r = &rolling_mass;
+        for (field, v) in block.rolling_mass.iter_mut().zip([r.cx.x, r.cy.y, r.cz.z, r.cy.x, r.cz.x, r.cz.y])
+        {
+            field[l] = v;
+        }
+    }
 }
 
-fn set_symmetric(t: &mut [Lane; 6], l: usize, m: &Mat3) {
-    let values = [m.cx.x, m.cy.y, m.cz.z, m.cy.x, m.cz.x, m.cz.y];
-    for (field, v) in t.iter_mut().zip(values) {
+#[inline(always)]
+fn set_inertia(t: &mut [Lane; 6], l: usize, i: &InvInertia) {
+    for (field, v) in t.iter_mut().zip([i.xx, i.yy, i.zz, i.xy, i.xz, i.yz]) {
         field[l % LANES] = v;
     }
+}
+
+/// Jacobians, effective masses, friction centre and rebound speeds of a filled block.
+pub(crate) struct Prepare<'a> {
+    pub block: &'a mut Block,
+    pub speeds: &'a Speeds,
+    pub constants: &'a StepConstants,
+}
+
+impl Kernel for Prepare<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let mut at = 0;
+        while at < self.block.rows {
+            prepare_lanes::<L>(self.block, self.speeds, self.constants, at);
+            at += L::WIDTH;
+        }
+    }
+}
+
+/// Body terms shared by all directions of a row.
+#[derive(Clone, Copy)]
+struct Masses<L> {
+    inv: L,
+    at: usize,
+}
+
+/// Sets a direction's Jacobian; gives J M⁻¹ Jᵀ.
+#[inline(always)]
+fn set_jacobian<L: Lanes>(
+    j: &mut super::rows::Jacobian,
+    inertia: [&[Lane; 6]; 2],
+    dir: Wide3<L>,
+    ra: Wide3<L>,
+    rb: Wide3<L>,
+    m: Masses<L>,
+) -> L {
+    let (ja, jb) = (ra.cross(dir), rb.cross(dir));
+    let (ia, ib) = (ja.times(inertia[0], m.at), jb.times(inertia[1], m.at));
+    ja.store(&mut j.a, m.at);
+    jb.store(&mut j.b, m.at);
+    ia.store(&mut j.ia, m.at);
+    ib.store(&mut j.ib, m.at);
+    m.inv + ja.dot(ia) + jb.dot(ib)
+}
+
+/// 1/x, or 0 where x is not positive.
+#[inline(always)]
+fn invert<L: Lanes>(x: L) -> L {
+    L::select(x.gt(L::zero()), L::splat(1.0) / x, L::zero())
+}
+
+/// Two unit vectors that make a right-handed basis with a unit vector (Duff et al. 2017), lane by lane.
+#[inline(always)]
+fn basis<L: Lanes>(n: Wide3<L>) -> (Wide3<L>, Wide3<L>) {
+    let one = L::splat(1.0);
+    let sign = L::select(n.z.ge(L::zero()), one, L::splat(-1.0));
+    let a = L::splat(-1.0) / (sign + n.z);
+    let b = n.x * n.y * a;
+    (
+        Wide3::new(one + sign * n.x * n.x * a, sign * b, -(sign * n.x)),
+        Wide3::new(b, sign + n.y * n.y * a, -n.y),
+    )
+}
+
+#[inline(always)]
+fn prepare_lanes<L: Lanes>(block: &mut Block, speeds: &Speeds, k: &StepConstants, at: usize) {
+    let n = Wide3::<L>::load(&block.normal, at);
+    let offset = Wide3::<L>::load(&block.offset, at);
+    let m = Masses { inv: L::load(&block.inv_mass_a[at..]) + L::load(&block.inv_mass_b[at..]), at };
+    let dv = Wide3::<L>::load(&speeds.vb, at).sub(Wide3::load(&speeds.va, at));
+    let (wa, wb) = (Wide3::<L>::load(&speeds.wa, at), Wide3::<L>::load(&speeds.wb, at));
+    let closing = -n.dot(Wide3::load(&block.acceleration, at));
+    let mut center = Wide3::new(L::zero(), L::zero(), L::zero());
+    let mut weights = L::zero();
+    let mut arms = [center; 4];
+    let inertia = [&block.inertia_a, &block.inertia_b];
+    for (rows, arm) in block.points.iter_mut().zip(&mut arms).take(block.points_max) {
+        let ra = Wide3::<L>::load(&rows.j.a, at);
+        *arm = ra;
+        let present = L::load(&rows.mass[at..]);
+        let kn = set_jacobian(&mut rows.j, inertia, n, ra, ra.sub(offset), m);
+        (invert(kn) * present).store(&mut rows.mass[at..]);
+        L::zero().store(&mut rows.total[at..]);
+        let s = L::load(&rows.separation[at..]);
+        let vn = n.dot(dv) + Wide3::load(&rows.j.b, at).dot(wb) - Wide3::load(&rows.j.a, at).dot(wa);
+        (-vn).store(&mut rows.approach[at..]);
+        // A point about to open counts less, so that the friction centre moves smoothly; those beyond twice the
+        // margin hardly count.
+        let weight =
+            (L::splat(2.0) - s * L::splat(k.inv_margin)).max(L::splat(1e-10)).min(L::splat(1.0)) * present;
+        center = center.add(ra.scale(weight));
+        weights = weights + weight;
+        if block.any_rebound {
+            let (speed, half) = impact_speed(-vn, closing, s, k.h);
+            let e = L::load(&block.restitution[at..]);
+            let bounces = vn.lt(L::zero()) & speed.gt(L::splat(k.restitution_speed)) & e.gt(L::zero());
+            L::select(bounces, e * speed + half, L::zero()).store(&mut rows.rebound[at..]);
+        }
+    }
+    let center = center.scale(invert(weights));
+    for (rows, arm) in block.points.iter_mut().zip(&arms).take(block.points_max) {
+        let d = arm.sub(center);
+        d.dot(d).sqrt().store(&mut rows.lever[at..]);
+    }
+    prepare_friction(block, n, center, center.sub(offset), m);
+}
+
+#[inline(always)]
+fn prepare_friction<L: Lanes>(block: &mut Block, n: Wide3<L>, ra: Wide3<L>, rb: Wide3<L>, m: Masses<L>) {
+    let at = m.at;
+    let (t1, t2) = basis(n);
+    t1.store(&mut block.tangent, at);
+    let inertia = [&block.inertia_a, &block.inertia_b];
+    let [f1, f2] = &mut block.friction;
+    let xx = set_jacobian(f1, inertia, t1, ra, rb, m);
+    let yy = set_jacobian(f2, inertia, t2, ra, rb, m);
+    let xy = Wide3::<L>::load(&f1.a, at).dot(Wide3::load(&f2.ia, at))
+        + Wide3::<L>::load(&f1.b, at).dot(Wide3::load(&f2.ib, at));
+    let inv = invert(xx * yy - xy * xy);
+    (yy * inv).store(&mut block.friction_mass[0][at..]);
+    (-(xy * inv)).store(&mut block.friction_mass[1][at..]);
+    (xx * inv).store(&mut block.friction_mass[2][at..]);
+    let f = Wide3::<L>::load(&block.friction_world, at);
+    let v = Wide3::<L>::load(&block.surface_velocity, at);
+    for (i, t) in [t1, t2].into_iter().enumerate() {
+        f.dot(t).store(&mut block.friction_impulse[i][at..]);
+        v.dot(t).store(&mut block.surface_speed[i][at..]);
+        L::zero().store(&mut block.friction_total[i][at..]);
+    }
+    let (ia, ib) = (n.times(&block.inertia_a, at), n.times(&block.inertia_b, at));
+    ia.store(&mut block.twist_ia, at);
+    ib.store(&mut block.twist_ib, at);
+    invert(n.dot(ia) + n.dot(ib)).store(&mut block.twist_mass[at..]);
 }

@@ -1,12 +1,13 @@
 //! Solver rows of manifolds: blocks of [`LANES`] rows of one colour, each field an array over the rows.
 //!
 //! The layout does not depend on the width of the kernels: a kernel of 1, 4, 8 or 16 lanes walks the same block in
-//! 16, 4, 2 or 1 steps. Rows of a block touch disjoint bodies.
+//! 16, 4, 2 or 1 steps. Rows of a block touch disjoint bodies. Lanes without a row are zero throughout and change nothing.
 
+use jounce_lanes::Lanes;
 use jounce_math::Vec3;
 
 /// Rows of a block.
-pub(crate) const LANES: usize = 16;
+pub(crate) const LANES: usize = jounce_lanes::LANES_MAX;
 /// One field over the rows.
 pub(crate) type Lane = [f32; LANES];
 
@@ -29,6 +30,64 @@ impl LaneVec {
     }
 }
 
+/// A vector per lane, in registers.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide3<L> {
+    pub x: L,
+    pub y: L,
+    pub z: L,
+}
+
+impl<L: Lanes> Wide3<L> {
+    #[inline(always)]
+    pub fn new(x: L, y: L, z: L) -> Self {
+        Self { x, y, z }
+    }
+    #[inline(always)]
+    pub fn load(v: &LaneVec, at: usize) -> Self {
+        Self { x: L::load(&v.0[0][at..]), y: L::load(&v.0[1][at..]), z: L::load(&v.0[2][at..]) }
+    }
+    #[inline(always)]
+    pub fn store(self, v: &mut LaneVec, at: usize) {
+        self.x.store(&mut v.0[0][at..]);
+        self.y.store(&mut v.0[1][at..]);
+        self.z.store(&mut v.0[2][at..]);
+    }
+    #[inline(always)]
+    pub fn dot(self, o: Self) -> L {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+    #[inline(always)]
+    pub fn cross(self, o: Self) -> Self {
+        Self::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
+    }
+    #[inline(always)]
+    pub fn add(self, o: Self) -> Self {
+        Self::new(self.x + o.x, self.y + o.y, self.z + o.z)
+    }
+    #[inline(always)]
+    pub fn sub(self, o: Self) -> Self {
+        Self::new(self.x - o.x, self.y - o.y, self.z - o.z)
+    }
+    #[inline(always)]
+    pub fn scale(self, s: L) -> Self {
+        Self::new(self.x * s, self.y * s, self.z * s)
+    }
+    /// T v for a symmetric tensor stored xx, yy, zz, xy, xz, yz.
+    #[inline(always)]
+    pub fn times(self, t: &[Lane; 6], at: usize) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(
+            #[inline(always)]
+            |i: usize| L::load(&t[i][at..]),
+        );
+        Self::new(
+            xx * self.x + xy * self.y + xz * self.z,
+            xy * self.x + yy * self.y + yz * self.z,
+            xz * self.x + yz * self.y + zz * self.z,
+        )
+    }
+}
+
 /// A one-dimensional constraint direction: J by its angular parts, and I⁻¹ times them.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -44,17 +103,18 @@ pub(crate) struct Jacobian {
 }
 
 impl Jacobian {
-    pub const ZERO: Self = Self { a: LaneVec::ZERO, b: LaneVec::ZERO, ia: LaneVec::ZERO, ib: LaneVec::ZERO };
+    const ZERO: Self = Self { a: LaneVec::ZERO, b: LaneVec::ZERO, ia: LaneVec::ZERO, ib: LaneVec::ZERO };
 }
 
 /// One point of each row.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct PointRows {
+    /// The row filler leaves the lever r_A in `j.a`; the preparing kernel turns it into r_A × n.
     pub j: Jacobian,
     /// s₀, metres.
     pub separation: Lane,
-    /// Effective mass m; 0 for a point that is not there.
+    /// Effective mass m; 0 for a point that is not there. The filler sets 1 where there is one.
     pub mass: Lane,
     /// Accumulated impulse λ of this substep.
     pub impulse: Lane,
@@ -111,14 +171,24 @@ pub(crate) struct Block {
     pub twist_impulse: Lane,
     /// Patch radius of twist friction, metres.
     pub twist_patch: Lane,
-    /// Rolling: coefficient as a length, 3×3 mass (xx, yy, zz, xy, xz, yz), I⁻¹ of both, impulse.
+    /// Rolling: coefficient as a length, 3×3 mass, impulse.
     pub rolling: Lane,
     pub rolling_mass: [Lane; 6],
-    pub rolling_ia: [Lane; 6],
-    pub rolling_ib: [Lane; 6],
     pub rolling_impulse: LaneVec,
-    /// Points of each row.
-    pub count: [u8; LANES],
+    /// I⁻¹ of both bodies: xx, yy, zz, xy, xz, yz.
+    pub inertia_a: [Lane; 6],
+    pub inertia_b: [Lane; 6],
+    /// From A's centre of mass to B's.
+    pub offset: LaneVec,
+    /// Friction impulse of the last step and wanted surface velocity, world axes, before they are split along the tangents.
+    pub friction_world: LaneVec,
+    pub surface_velocity: LaneVec,
+    /// Relative acceleration of B against A without contacts.
+    pub acceleration: LaneVec,
+    pub restitution: Lane,
+    /// Rows, and most points of a row.
+    pub rows: usize,
+    pub points_max: usize,
     /// Some row has rolling friction / restitution.
     pub any_rolling: bool,
     pub any_rebound: bool,
@@ -127,9 +197,10 @@ pub(crate) struct Block {
 impl Default for Block {
     fn default() -> Self {
         const L: Lane = [0.0; LANES];
+        const V: LaneVec = LaneVec::ZERO;
         Self {
-            normal: LaneVec::ZERO,
-            tangent: LaneVec::ZERO,
+            normal: V,
+            tangent: V,
             inv_mass_a: L,
             inv_mass_b: L,
             bias_rate: L,
@@ -142,17 +213,23 @@ impl Default for Block {
             friction_total: [L; 2],
             surface_speed: [L; 2],
             mu: L,
-            twist_ia: LaneVec::ZERO,
-            twist_ib: LaneVec::ZERO,
+            twist_ia: V,
+            twist_ib: V,
             twist_mass: L,
             twist_impulse: L,
             twist_patch: L,
             rolling: L,
             rolling_mass: [L; 6],
-            rolling_ia: [L; 6],
-            rolling_ib: [L; 6],
-            rolling_impulse: LaneVec::ZERO,
-            count: [0; LANES],
+            rolling_impulse: V,
+            inertia_a: [L; 6],
+            inertia_b: [L; 6],
+            offset: V,
+            friction_world: V,
+            surface_velocity: V,
+            acceleration: V,
+            restitution: L,
+            rows: 0,
+            points_max: 0,
             any_rolling: false,
             any_rebound: false,
         }

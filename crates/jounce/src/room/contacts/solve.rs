@@ -1,192 +1,326 @@
-//! Scalar solver passes over blocks of rows; the equations are in the room's text.
+//! The solver passes over blocks of rows; the equations are in the room's text.
 //!
-//! Row by row within a block: rows of a block touch disjoint bodies, so the order of the rows does not matter, and a
-//! kernel of any width gives the same bits as this one if it keeps the order of operations of a row.
+//! Written once over [`Lanes`]: one lane is the scalar reference, and every width gives its bits, since a row keeps to its
+//! own lane and the order of operations within a row is that of this text. Rows of a block touch disjoint bodies.
 
 use super::prepare::StepConstants;
-use super::rows::{Block, Jacobian, LANES, Lane};
+use super::rows::{Block, Jacobian, LANES, Wide3};
 use crate::room::rigid::state::BodyState;
-use jounce_math::{Vec3, scalar::f32s};
+use core::ops::Range;
+use jounce_lanes::{Kernel, Lanes, Mask};
+use jounce_tasks::Scatter;
 
-/// Velocities of the two bodies of a row, changed by impulses.
-struct Pair {
-    va: Vec3,
-    wa: Vec3,
-    vb: Vec3,
-    wb: Vec3,
-    ma: f32,
-    mb: f32,
+/// Which pass of the substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Applies the impulses of the last substep (or step).
+    Warm,
+    /// Normal rows with soft bias, no friction.
+    Solve,
+    /// Normal rows without bias, then twist, rolling and friction.
+    Relax,
+    /// After the last substep: gives back e V where the approach was fast enough and the contact pushed.
+    Restitution,
 }
 
-impl Pair {
+/// One pass over one block.
+pub(crate) struct Sweep<'a, 'b> {
+    pub pass: Pass,
+    pub access: &'a mut Scatter<'b, BodyState>,
+    pub rows: Range<usize>,
+    pub block: &'a mut Block,
+    pub constants: &'a StepConstants,
+}
+
+impl Kernel for Sweep<'_, '_> {
+    type Output = ();
     #[inline(always)]
-    fn load(block: &Block, l: usize, a: &BodyState, b: &BodyState) -> Self {
-        Self { va: a.v, wa: a.w, vb: b.v, wb: b.w, ma: block.inv_mass_a[l], mb: block.inv_mass_b[l] }
+    fn run<L: Lanes>(self) {
+        let Self { pass, access, rows, block, constants } = self;
+        let mut at = 0;
+        while at < rows.len().min(LANES) {
+            let lanes = Gather { first: rows.start + at, end: rows.end };
+            match pass {
+                Pass::Warm => warm_start::<L>(block, at, access, lanes),
+                Pass::Solve => solve::<L>(block, at, access, lanes, constants),
+                Pass::Relax => relax::<L>(block, at, access, lanes, constants),
+                Pass::Restitution => restitution::<L>(block, at, access, lanes),
+            }
+            at += L::WIDTH;
+        }
+    }
+}
+
+/// Rows `first..` of the colour, one per lane; lanes past `end` read a body at rest and write nothing.
+#[derive(Clone, Copy)]
+struct Gather {
+    first: usize,
+    end: usize,
+}
+
+/// Velocities of the two bodies of a row, changed by impulses.
+#[derive(Clone, Copy)]
+struct Pair<L> {
+    va: Wide3<L>,
+    wa: Wide3<L>,
+    vb: Wide3<L>,
+    wb: Wide3<L>,
+    ma: L,
+    mb: L,
+    /// Δp.x and Δp.y ride along in the hot row.
+    pa: [L; 2],
+    pb: [L; 2],
+}
+
+/// Motion of B against A since the start of the step.
+#[derive(Clone, Copy)]
+struct Moved<L> {
+    dp: Wide3<L>,
+    ra: Wide3<L>,
+    rb: Wide3<L>,
+}
+
+impl<L: Lanes> Pair<L> {
+    #[inline(always)]
+    fn load(block: &Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather) -> Self {
+        let a = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.a(g.first + i).hot } else { &BodyState::FIXED.hot },
+        );
+        let b = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
+        );
+        Self {
+            va: Wide3::new(a[0], a[1], a[2]),
+            wa: Wide3::new(a[3], a[4], a[5]),
+            vb: Wide3::new(b[0], b[1], b[2]),
+            wb: Wide3::new(b[3], b[4], b[5]),
+            ma: L::load(&block.inv_mass_a[at..]),
+            mb: L::load(&block.inv_mass_b[at..]),
+            pa: [a[6], a[7]],
+            pb: [b[6], b[7]],
+        }
     }
     #[inline(always)]
-    fn store(&self, a: &mut BodyState, b: &mut BodyState) {
-        (a.v, a.w, b.v, b.w) = (self.va, self.wa, self.vb, self.wb);
+    fn moved(&self, access: &Scatter<'_, BodyState>, g: Gather) -> Moved<L> {
+        let a = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
+        );
+        let b = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.b(g.first + i).motion } else { &BodyState::FIXED.motion },
+        );
+        Moved {
+            dp: Wide3::new(self.pb[0] - self.pa[0], self.pb[1] - self.pa[1], b[0] - a[0]),
+            ra: Wide3::new(a[1], a[2], a[3]),
+            rb: Wide3::new(b[1], b[2], b[3]),
+        }
+    }
+    #[inline(always)]
+    fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
+        let (a, b) = (self.va, self.vb);
+        L::scatter8(
+            [a.x, a.y, a.z, self.wa.x, self.wa.y, self.wa.z, self.pa[0], self.pa[1]],
+            #[inline(always)]
+            |i, hot| {
+                if g.first + i < g.end {
+                    let motion = access.a(g.first + i).motion;
+                    access.store_a(g.first + i, BodyState { hot, motion });
+                }
+            },
+        );
+        L::scatter8(
+            [b.x, b.y, b.z, self.wb.x, self.wb.y, self.wb.z, self.pb[0], self.pb[1]],
+            #[inline(always)]
+            |i, hot| {
+                if g.first + i < g.end {
+                    let motion = access.b(g.first + i).motion;
+                    access.store_b(g.first + i, BodyState { hot, motion });
+                }
+            },
+        );
     }
     /// J u along a direction.
     #[inline(always)]
-    fn speed(&self, dir: Vec3, j: &Jacobian, l: usize) -> f32 {
-        dir.dot(self.vb - self.va) + j.b.get(l).dot(self.wb) - j.a.get(l).dot(self.wa)
+    fn speed(&self, dir: Wide3<L>, j: &Jacobian, at: usize) -> L {
+        dir.dot(self.vb.sub(self.va)) + Wide3::load(&j.b, at).dot(self.wb)
+            - Wide3::load(&j.a, at).dot(self.wa)
     }
     /// u ← u + M⁻¹ Jᵀ λ.
     #[inline(always)]
-    fn push(&mut self, dir: Vec3, j: &Jacobian, l: usize, lambda: f32) {
-        self.va -= dir * (self.ma * lambda);
-        self.wa -= j.ia.get(l) * lambda;
-        self.vb += dir * (self.mb * lambda);
-        self.wb += j.ib.get(l) * lambda;
+    fn push(&mut self, dir: Wide3<L>, j: &Jacobian, at: usize, lambda: L) {
+        self.va = self.va.sub(dir.scale(self.ma * lambda));
+        self.wa = self.wa.sub(Wide3::load(&j.ia, at).scale(lambda));
+        self.vb = self.vb.add(dir.scale(self.mb * lambda));
+        self.wb = self.wb.add(Wide3::load(&j.ib, at).scale(lambda));
     }
 }
 
-/// Applies the impulses of the last substep (or step).
 #[inline(always)]
-pub(crate) fn warm_start(block: &mut Block, l: usize, a: &mut BodyState, b: &mut BodyState) {
-    let l = l % LANES;
-    let n = block.normal.get(l);
-    let mut u = Pair::load(block, l, a, b);
-    for rows in block.points.iter().take(usize::from(block.count[l])) {
-        u.push(n, &rows.j, l, rows.impulse[l]);
+fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, g: Gather) {
+    let n = Wide3::<L>::load(&block.normal, at);
+    let mut u = Pair::load(block, at, access, g);
+    for rows in &block.points[..block.points_max.min(4)] {
+        u.push(n, &rows.j, at, L::load(&rows.impulse[at..]));
     }
-    let t1 = block.tangent.get(l);
+    let t1 = Wide3::<L>::load(&block.tangent, at);
     let t2 = n.cross(t1);
-    u.push(t1, &block.friction[0], l, block.friction_impulse[0][l]);
-    u.push(t2, &block.friction[1], l, block.friction_impulse[1][l]);
-    let twist = block.twist_impulse[l];
-    u.wa -= block.twist_ia.get(l) * twist;
-    u.wb += block.twist_ib.get(l) * twist;
+    u.push(t1, &block.friction[0], at, L::load(&block.friction_impulse[0][at..]));
+    u.push(t2, &block.friction[1], at, L::load(&block.friction_impulse[1][at..]));
+    let twist = L::load(&block.twist_impulse[at..]);
+    u.wa = u.wa.sub(Wide3::load(&block.twist_ia, at).scale(twist));
+    u.wb = u.wb.add(Wide3::load(&block.twist_ib, at).scale(twist));
     if block.any_rolling {
-        let p = block.rolling_impulse.get(l);
-        u.wa -= symmetric_mul(&block.rolling_ia, l, p);
-        u.wb += symmetric_mul(&block.rolling_ib, l, p);
+        let p = Wide3::<L>::load(&block.rolling_impulse, at);
+        u.wa = u.wa.sub(p.times(&block.inertia_a, at));
+        u.wb = u.wb.add(p.times(&block.inertia_b, at));
     }
-    u.store(a, b);
+    u.store(access, g);
 }
 
 #[inline(always)]
-fn symmetric_mul(t: &[Lane; 6], l: usize, v: Vec3) -> Vec3 {
-    let [xx, yy, zz, xy, xz, yz] = [t[0][l], t[1][l], t[2][l], t[3][l], t[4][l], t[5][l]];
-    Vec3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
+fn solve<L: Lanes>(
+    block: &mut Block,
+    at: usize,
+    access: &mut Scatter<'_, BodyState>,
+    g: Gather,
+    k: &StepConstants,
+) {
+    let n = Wide3::<L>::load(&block.normal, at);
+    let mut u = Pair::load(block, at, access, g);
+    let moved = u.moved(access, g);
+    let dp = n.dot(moved.dp);
+    let (zero, one) = (L::zero(), L::splat(1.0));
+    let sigma = L::load(&block.mass_scale[at..]);
+    let iota = L::load(&block.impulse_scale[at..]);
+    let rate = sigma * L::load(&block.bias_rate[at..]);
+    let (inv_h, push) = (L::splat(k.inv_h), L::splat(-k.push_out_speed));
+    for rows in &mut block.points[..block.points_max.min(4)] {
+        let turn =
+            Wide3::<L>::load(&rows.j.b, at).dot(moved.rb) - Wide3::<L>::load(&rows.j.a, at).dot(moved.ra);
+        let s = L::load(&rows.separation[at..]) + dp + turn;
+        let open = s.gt(zero);
+        let bias = L::select(open, s * inv_h, (rate * s).max(push));
+        let scale = L::select(open, one, sigma);
+        let soft = L::select(open, zero, iota);
+        let vn = u.speed(n, &rows.j, at);
+        let old = L::load(&rows.impulse[at..]);
+        let new = (old - L::load(&rows.mass[at..]) * (scale * vn + bias) - soft * old).max(zero);
+        new.store(&mut rows.impulse[at..]);
+        u.push(n, &rows.j, at, new - old);
+    }
+    u.store(access, g);
 }
 
-/// The first pass of a substep: normal rows with soft bias, no friction.
 #[inline(always)]
-pub(crate) fn solve(block: &mut Block, l: usize, a: &mut BodyState, b: &mut BodyState, k: &StepConstants) {
-    let l = l % LANES;
-    let n = block.normal.get(l);
-    let dp = n.dot(b.dp - a.dp);
-    let mut u = Pair::load(block, l, a, b);
-    let (rate, sigma, iota) = (block.bias_rate[l], block.mass_scale[l], block.impulse_scale[l]);
-    for rows in block.points.iter_mut().take(usize::from(block.count[l])) {
-        let s = rows.separation[l] + dp + rows.j.b.get(l).dot(b.dr) - rows.j.a.get(l).dot(a.dr);
-        let (bias, scale, soft) = if s > 0.0 {
-            (s * k.inv_h, 1.0, 0.0)
-        } else {
-            (f32s::max(sigma * rate * s, -k.push_out_speed), sigma, iota)
-        };
-        let vn = u.speed(n, &rows.j, l);
-        let old = rows.impulse[l];
-        let new = f32s::max(old - rows.mass[l] * (scale * vn + bias) - soft * old, 0.0);
-        rows.impulse[l] = new;
-        u.push(n, &rows.j, l, new - old);
+fn relax<L: Lanes>(
+    block: &mut Block,
+    at: usize,
+    access: &mut Scatter<'_, BodyState>,
+    g: Gather,
+    k: &StepConstants,
+) {
+    let n = Wide3::<L>::load(&block.normal, at);
+    let mut u = Pair::load(block, at, access, g);
+    let moved = u.moved(access, g);
+    let dp = n.dot(moved.dp);
+    let zero = L::zero();
+    let inv_h = L::splat(k.inv_h);
+    let (mut total, mut twist_limit) = (zero, zero);
+    for rows in &mut block.points[..block.points_max.min(4)] {
+        let turn =
+            Wide3::<L>::load(&rows.j.b, at).dot(moved.rb) - Wide3::<L>::load(&rows.j.a, at).dot(moved.ra);
+        let s = L::load(&rows.separation[at..]) + dp + turn;
+        let bias = s.max(zero) * inv_h;
+        let vn = u.speed(n, &rows.j, at);
+        let old = L::load(&rows.impulse[at..]);
+        let new = (old - L::load(&rows.mass[at..]) * (vn + bias)).max(zero);
+        new.store(&mut rows.impulse[at..]);
+        (L::load(&rows.total[at..]) + new).store(&mut rows.total[at..]);
+        total = total + new;
+        twist_limit = twist_limit + L::load(&rows.lever[at..]) * new;
+        u.push(n, &rows.j, at, new - old);
     }
-    u.store(a, b);
-}
-
-/// The second pass: normal rows without bias, then twist, rolling and friction.
-#[inline(always)]
-pub(crate) fn relax(block: &mut Block, l: usize, a: &mut BodyState, b: &mut BodyState, k: &StepConstants) {
-    let l = l % LANES;
-    let n = block.normal.get(l);
-    let dp = n.dot(b.dp - a.dp);
-    let mut u = Pair::load(block, l, a, b);
-    let (mut total, mut twist_limit) = (0.0, 0.0);
-    for rows in block.points.iter_mut().take(usize::from(block.count[l])) {
-        let s = rows.separation[l] + dp + rows.j.b.get(l).dot(b.dr) - rows.j.a.get(l).dot(a.dr);
-        let bias = if s > 0.0 { s * k.inv_h } else { 0.0 };
-        let vn = u.speed(n, &rows.j, l);
-        let old = rows.impulse[l];
-        let new = f32s::max(old - rows.mass[l] * (vn + bias), 0.0);
-        rows.impulse[l] = new;
-        rows.total[l] += new;
-        total += new;
-        twist_limit += rows.lever[l] * new;
-        u.push(n, &rows.j, l, new - old);
-    }
-    twist(block, l, &mut u, n, block.mu[l] * (twist_limit + block.twist_patch[l] * total));
+    let mu = L::load(&block.mu[at..]);
+    let patch = L::load(&block.twist_patch[at..]);
+    twist(block, at, &mut u, n, mu * (twist_limit + patch * total));
     if block.any_rolling {
-        rolling(block, l, &mut u, block.rolling[l] * total);
+        let limit = L::load(&block.rolling[at..]) * total;
+        rolling(block, at, &mut u, limit);
     }
-    friction(block, l, &mut u, n, block.mu[l] * total);
-    u.store(a, b);
+    friction(block, at, &mut u, n, mu * total);
+    u.store(access, g);
 }
 
 #[inline(always)]
-fn twist(block: &mut Block, l: usize, u: &mut Pair, n: Vec3, limit: f32) {
-    let old = block.twist_impulse[l];
-    let new = f32s::clamp(old - block.twist_mass[l] * n.dot(u.wb - u.wa), -limit, limit);
-    block.twist_impulse[l] = new;
-    u.wa -= block.twist_ia.get(l) * (new - old);
-    u.wb += block.twist_ib.get(l) * (new - old);
-}
-
-#[inline(always)]
-fn rolling(block: &mut Block, l: usize, u: &mut Pair, limit: f32) {
-    let old = block.rolling_impulse.get(l);
-    let mut new = old - symmetric_mul(&block.rolling_mass, l, u.wb - u.wa);
-    let size2 = new.length_squared();
-    if size2 > limit * limit {
-        new = new * (limit / size2.sqrt());
-    }
-    block.rolling_impulse.set(l, new);
+fn twist<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, limit: L) {
+    let old = L::load(&block.twist_impulse[at..]);
+    let wanted = old - L::load(&block.twist_mass[at..]) * n.dot(u.wb.sub(u.wa));
+    let new = wanted.max(-limit).min(limit);
+    new.store(&mut block.twist_impulse[at..]);
     let d = new - old;
-    u.wa -= symmetric_mul(&block.rolling_ia, l, d);
-    u.wb += symmetric_mul(&block.rolling_ib, l, d);
+    u.wa = u.wa.sub(Wide3::load(&block.twist_ia, at).scale(d));
+    u.wb = u.wb.add(Wide3::load(&block.twist_ib, at).scale(d));
 }
 
 #[inline(always)]
-fn friction(block: &mut Block, l: usize, u: &mut Pair, n: Vec3, limit: f32) {
-    let t1 = block.tangent.get(l);
+fn rolling<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, limit: L) {
+    let old = Wide3::<L>::load(&block.rolling_impulse, at);
+    let wanted = old.sub(u.wb.sub(u.wa).times(&block.rolling_mass, at));
+    let size2 = wanted.dot(wanted);
+    let scale = L::select(size2.gt(limit * limit), limit / size2.sqrt(), L::splat(1.0));
+    let new = wanted.scale(scale);
+    new.store(&mut block.rolling_impulse, at);
+    let d = new.sub(old);
+    u.wa = u.wa.sub(d.times(&block.inertia_a, at));
+    u.wb = u.wb.add(d.times(&block.inertia_b, at));
+}
+
+#[inline(always)]
+fn friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, limit: L) {
+    let t1 = Wide3::<L>::load(&block.tangent, at);
     let t2 = n.cross(t1);
-    let v1 = u.speed(t1, &block.friction[0], l) - block.surface_speed[0][l];
-    let v2 = u.speed(t2, &block.friction[1], l) - block.surface_speed[1][l];
-    let [xx, xy, yy] = [block.friction_mass[0][l], block.friction_mass[1][l], block.friction_mass[2][l]];
-    let (old1, old2) = (block.friction_impulse[0][l], block.friction_impulse[1][l]);
-    let mut new1 = old1 - (xx * v1 + xy * v2);
-    let mut new2 = old2 - (xy * v1 + yy * v2);
-    let size2 = new1 * new1 + new2 * new2;
-    if size2 > limit * limit {
-        let scale = limit / size2.sqrt();
-        new1 *= scale;
-        new2 *= scale;
-    }
-    block.friction_impulse[0][l] = new1;
-    block.friction_impulse[1][l] = new2;
-    block.friction_total[0][l] += new1;
-    block.friction_total[1][l] += new2;
-    u.push(t1, &block.friction[0], l, new1 - old1);
-    u.push(t2, &block.friction[1], l, new2 - old2);
+    let v1 = u.speed(t1, &block.friction[0], at) - L::load(&block.surface_speed[0][at..]);
+    let v2 = u.speed(t2, &block.friction[1], at) - L::load(&block.surface_speed[1][at..]);
+    let xx = L::load(&block.friction_mass[0][at..]);
+    let xy = L::load(&block.friction_mass[1][at..]);
+    let yy = L::load(&block.friction_mass[2][at..]);
+    let old1 = L::load(&block.friction_impulse[0][at..]);
+    let old2 = L::load(&block.friction_impulse[1][at..]);
+    let wanted1 = old1 - (xx * v1 + xy * v2);
+    let wanted2 = old2 - (xy * v1 + yy * v2);
+    let size2 = wanted1 * wanted1 + wanted2 * wanted2;
+    let scale = L::select(size2.gt(limit * limit), limit / size2.sqrt(), L::splat(1.0));
+    let (new1, new2) = (wanted1 * scale, wanted2 * scale);
+    new1.store(&mut block.friction_impulse[0][at..]);
+    new2.store(&mut block.friction_impulse[1][at..]);
+    (L::load(&block.friction_total[0][at..]) + new1).store(&mut block.friction_total[0][at..]);
+    (L::load(&block.friction_total[1][at..]) + new2).store(&mut block.friction_total[1][at..]);
+    u.push(t1, &block.friction[0], at, new1 - old1);
+    u.push(t2, &block.friction[1], at, new2 - old2);
 }
 
-/// After the last substep: gives back e V where the approach was fast enough and the contact pushed.
 #[inline(always)]
-pub(crate) fn restitution(block: &mut Block, l: usize, a: &mut BodyState, b: &mut BodyState) {
-    let l = l % LANES;
-    let n = block.normal.get(l);
-    let mut u = Pair::load(block, l, a, b);
-    for rows in block.points.iter_mut().take(usize::from(block.count[l])) {
-        if rows.rebound[l] == 0.0 || rows.total[l] == 0.0 {
+fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, g: Gather) {
+    let n = Wide3::<L>::load(&block.normal, at);
+    let mut u = Pair::load(block, at, access, g);
+    let zero = L::zero();
+    for rows in &mut block.points[..block.points_max.min(4)] {
+        let rebound = L::load(&rows.rebound[at..]);
+        let total = L::load(&rows.total[at..]);
+        let bounces = rebound.gt(zero) & total.gt(zero);
+        if !bounces.any() {
             continue;
         }
-        let vn = u.speed(n, &rows.j, l);
-        let old = rows.impulse[l];
-        let new = f32s::max(old - rows.mass[l] * (vn - rows.rebound[l]), 0.0);
-        rows.impulse[l] = new;
-        rows.total[l] += new - old;
-        u.push(n, &rows.j, l, new - old);
+        let vn = u.speed(n, &rows.j, at);
+        let old = L::load(&rows.impulse[at..]);
+        let wanted = (old - L::load(&rows.mass[at..]) * (vn - rebound)).max(zero);
+        let new = L::select(bounces, wanted, old);
+        new.store(&mut rows.impulse[at..]);
+        (total + (new - old)).store(&mut rows.total[at..]);
+        u.push(n, &rows.j, at, new - old);
     }
-    u.store(a, b);
+    u.store(access, g);
 }

@@ -14,6 +14,7 @@ pub(crate) fn finish(
     can_sleep: bool,
     dt: f32,
 ) {
+    let s = s.get();
     f.center = f.center0 + s.dp.as_dvec3();
     f.rotation = (s.dq * f.rotation0).normalize();
     if let (BodyKind::Kinematic, Some(target)) = (b.kind, b.target.take()) {

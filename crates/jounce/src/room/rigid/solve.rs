@@ -11,7 +11,7 @@
 //! of tan, so the phase error is of order x⁷ and no transcendental is needed.
 
 use super::desc::BodyKind;
-use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia};
+use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Motion};
 use jounce_math::{DQuat, DVec3, Quat, Vec3};
 
 /// Constants of one substep.
@@ -40,21 +40,23 @@ pub(crate) fn integrate_velocity(s: &mut BodyState, b: &BodyStep, i: &InvInertia
     if b.kind != BodyKind::Dynamic {
         return;
     }
-    s.v = (s.v + b.acceleration * h) * (1.0 / (1.0 + h * b.linear_damping));
-    s.w = (s.w + i.mul(b.torque) * h) * (1.0 / (1.0 + h * b.angular_damping));
+    let v = (s.v() + b.acceleration * h) * (1.0 / (1.0 + h * b.linear_damping));
+    let w = (s.w() + i.mul(b.torque) * h) * (1.0 / (1.0 + h * b.angular_damping));
+    s.set_velocity(v, w);
 }
 
 /// Velocities to positions, with locks and speed limits; bodies with unequal moments turn torque-free.
 #[inline(always)]
 pub(crate) fn integrate_position(
-    s: &mut BodyState,
+    state: &mut BodyState,
     b: &mut BodyStep,
     bodies: &crate::table::Table<Body>,
     frames: &[BodyFrame],
     sub: &Substep,
 ) {
+    let mut s = state.get();
     if b.locks != 0 {
-        apply_locks(s, b.locks);
+        apply_locks(&mut s, b.locks);
     }
     let v2 = s.v.length_squared();
     if v2 > sub.linear_speed_max * sub.linear_speed_max {
@@ -72,8 +74,9 @@ pub(crate) fn integrate_position(
         s.dq = s.dq.normalize();
     } else {
         let mass = &bodies[b.body].mass;
-        torque_free(s, b, mass.moments, mass.principal, frames[b.body as usize].rotation, sub.h);
+        torque_free(&mut s, b, mass.moments, mass.principal, frames[b.body as usize].rotation, sub.h);
     }
+    state.put(&s);
 }
 
 /// A turn that stays right however fast the body spins (only exempt bodies turn more than a radian a substep).
@@ -86,7 +89,7 @@ fn turn_fast(r: Vec3, w2: f32, fast: bool) -> Quat {
     turn(r)
 }
 
-fn apply_locks(s: &mut BodyState, locks: u8) {
+fn apply_locks(s: &mut Motion, locks: u8) {
     for i in 0..3 {
         if locks & (1 << i) != 0 {
             s.v[i] = 0.0;
@@ -128,7 +131,7 @@ fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, inv_moment: f64, h: f64) {
     }
 }
 
-fn torque_free(s: &mut BodyState, b: &mut BodyStep, moments: DVec3, principal: Quat, rotation: Quat, h: f32) {
+fn torque_free(s: &mut Motion, b: &mut BodyStep, moments: DVec3, principal: Quat, rotation: Quat, h: f32) {
     let frame = (principal.as_dquat()).normalize();
     let start = s.dq.as_dquat() * rotation.as_dquat() * frame;
     let mut q = start.normalize();

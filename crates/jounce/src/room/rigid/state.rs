@@ -99,10 +99,20 @@ impl BodyFrame {
     }
 }
 
-/// The hot line: velocities, and the motion since the start of the step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The hot line: velocities, and the motion since the start of the step, as two rows of eight floats that wide
+/// kernels load and transpose.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct BodyState {
+    /// v, ω, Δp.x, Δp.y.
+    pub hot: [f32; 8],
+    /// Δp.z, Δθ, Δq.
+    pub motion: [f32; 8],
+}
+
+/// A [`BodyState`] by name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Motion {
     /// Velocity of the centre of mass.
     pub v: Vec3,
     /// Angular velocity, world axes.
@@ -116,8 +126,46 @@ pub(crate) struct BodyState {
 }
 
 impl BodyState {
-    pub const FIXED: Self =
-        Self { v: Vec3::ZERO, w: Vec3::ZERO, dp: Vec3::ZERO, dr: Vec3::ZERO, dq: Quat::IDENTITY };
+    pub const FIXED: Self = Self { hot: [0.0; 8], motion: [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0] };
+
+    pub fn new(v: Vec3, w: Vec3) -> Self {
+        let mut s = Self::FIXED;
+        s.set_velocity(v, w);
+        s
+    }
+    #[inline(always)]
+    pub fn v(&self) -> Vec3 {
+        Vec3::new(self.hot[0], self.hot[1], self.hot[2])
+    }
+    #[inline(always)]
+    pub fn w(&self) -> Vec3 {
+        Vec3::new(self.hot[3], self.hot[4], self.hot[5])
+    }
+    #[inline(always)]
+    pub fn set_velocity(&mut self, v: Vec3, w: Vec3) {
+        self.hot[..6].copy_from_slice(&[v.x, v.y, v.z, w.x, w.y, w.z]);
+    }
+    #[inline(always)]
+    pub fn get(&self) -> Motion {
+        let [_, _, _, _, _, _, px, py] = self.hot;
+        let [pz, rx, ry, rz, qx, qy, qz, qw] = self.motion;
+        Motion {
+            v: self.v(),
+            w: self.w(),
+            dp: Vec3::new(px, py, pz),
+            dr: Vec3::new(rx, ry, rz),
+            dq: Quat::new(qx, qy, qz, qw),
+        }
+    }
+    #[inline(always)]
+    pub fn put(&mut self, m: &Motion) {
+        self.hot = [m.v.x, m.v.y, m.v.z, m.w.x, m.w.y, m.w.z, m.dp.x, m.dp.y];
+        self.motion = [m.dp.z, m.dr.x, m.dr.y, m.dr.z, m.dq.x, m.dq.y, m.dq.z, m.dq.w];
+    }
+    /// Starts a step: no motion yet.
+    pub fn rewind(&mut self) {
+        (self.hot[6], self.hot[7], self.motion) = (0.0, 0.0, Self::FIXED.motion);
+    }
 }
 
 /// What the integrator reads.
