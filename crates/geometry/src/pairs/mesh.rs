@@ -2,7 +2,7 @@
 //!
 //! Each triangle near B is tested alone. A body that slides over a seam of two triangles would trip over it: seen alone,
 //! a triangle's edge can be hit from the side. So a contact normal has to be one that the surface *as a whole* can give:
-//! at an edge, a direction between the normals of its two triangles ([`SurfaceTriangle::allows`]). Others are replaced by
+//! at an edge, a direction between the normals of its two triangles (`SurfaceTriangle::allows`). Others are replaced by
 //! the contact with the triangle's face, or dropped where there is none. After that, face contacts come first, and an edge
 //! or vertex contact that lies in the plane of one takes its normal: that covers seams which the mesh does not know
 //! of, such as T-junctions. Points of nearly equal normal become one manifold of at most four.
@@ -14,7 +14,8 @@ use super::general::{self, Scratch};
 use super::one_point;
 use super::poly::TrianglePoly;
 use super::reduce::reduce;
-use super::surface::{Surface, SurfaceTriangle};
+use super::surface::{Facing, Surface};
+use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::shapes::triangle::closest_point;
 use crate::{Aabb, FACE_A, Manifold, ManifoldPoint, NO_SUB, PairCache};
@@ -62,12 +63,13 @@ pub(crate) fn surface_convex(
     let center = pose.transform_point(b.center());
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
-        let Some(m) = triangle(&t, b, pose, margin, scratch) else { continue };
+        let Some(m) = triangle(a, &t, b, pose, margin, scratch) else { continue };
+        let index = a.name(index);
         for p in m.points() {
             let feature = (index.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
             mesh.candidates.push(Candidate {
                 normal: m.normal,
-                triangle_normal: t.poly.normal(),
+                triangle_normal: t.normal,
                 faces: m.faces,
                 triangle: index,
                 taken: false,
@@ -81,23 +83,30 @@ pub(crate) fn surface_convex(
 
 /// One triangle: the contact that the whole surface allows.
 fn triangle(
-    t: &SurfaceTriangle,
+    surface: &Surface,
+    t: &Facing,
     b: &Convex,
     pose: &Pose,
     margin: f32,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    let n = t.poly.normal();
+    let n = t.normal;
     let low = pose.transform_point(b.core.support(pose.q.inverse_rotate(-n)));
-    let over = n.dot(low - t.poly.vertices[0]) - b.radius;
+    let over = n.dot(low - t.corners[0]) - b.radius;
     if over > margin {
         return None;
     }
-    if matches!(b.core, crate::convex::core::Core::Point) {
-        return sphere(t, b.radius, pose.p, margin);
+    if matches!(b.core, Core::Point) {
+        return sphere(surface, t, b.radius, pose.p, margin);
     }
+    let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
+    if surface.is_gentle(t) {
+        let a = Convex::triangle(TrianglePoly::new(t.corners, n));
+        let face = a.flat_face(n)?;
+        return general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch);
+    }
+    let t = surface.full(t);
     let a = Convex::triangle(t.poly);
-    let mut cache = PairCache { axis: n, ..PairCache::default() };
     let mut axis = general::axis(&a, b, pose, margin, &mut cache)?;
     if axis.normal.dot(n) < 0.0 {
         // The least push-out of a thin sheet may be through it; the body is in front, so it goes back there.
@@ -120,15 +129,15 @@ fn general_face_axis(t: &TrianglePoly, low: Vec3, gap: f32) -> super::hull_hull:
 }
 
 /// Ball of radius `r` at `p`, in front of the triangle.
-fn sphere(t: &SurfaceTriangle, r: f32, p: Vec3, margin: f32) -> Option<Manifold> {
-    let n = t.poly.normal();
-    let near = closest_point(&t.poly.vertices, p);
+fn sphere(surface: &Surface, t: &Facing, r: f32, p: Vec3, margin: f32) -> Option<Manifold> {
+    let n = t.normal;
+    let near = closest_point(&t.corners, p);
     let d = p - near;
     let reach = r + margin;
     if d.length_squared() > reach * reach {
         return None;
     }
-    let height = n.dot(p - t.poly.vertices[0]);
+    let height = n.dot(p - t.corners[0]);
     let face = |faces| {
         let s = height - r;
         (s <= margin).then(|| one_point(n, p - n * (r + 0.5 * s), s, 0, faces))
@@ -138,7 +147,7 @@ fn sphere(t: &SurfaceTriangle, r: f32, p: Vec3, margin: f32) -> Option<Manifold>
     if cosine > 0.99999 || l < 1e-4 * r {
         return face(FACE_A);
     }
-    if !t.allows(c) {
+    if !surface.full(t).allows(c) {
         // The gap between the face and a neighbour of the same plane up to the edge's tolerance.
         return if cosine > 0.9985 { face(FACE_A) } else { None };
     }
@@ -194,7 +203,7 @@ fn merge(mesh: &mut MeshScratch, cache: &mut PairCache, out: &mut Vec<Manifold>)
                 if c.point.separation < deepest.point.separation {
                     deepest = *c;
                 }
-                add(group, c.point);
+                group.push(c.point);
             }
             let mut m = Manifold {
                 normal: lead.normal,
@@ -203,25 +212,38 @@ fn merge(mesh: &mut MeshScratch, cache: &mut PairCache, out: &mut Vec<Manifold>)
                 sub_b: NO_SUB,
                 ..Manifold::default()
             };
+            if group.len() <= 4 {
+                drop_twins(group);
+            }
             reduce(group, &mut m, cache);
+            part_features(&mut m);
             out.push(m);
         }
     }
 }
 
-/// Adds a point; of two at one place the deeper stays. Feature ids stay unique.
-fn add(group: &mut Vec<ManifoldPoint>, mut p: ManifoldPoint) {
-    for q in group.iter_mut() {
-        if (q.point - p.point).length_squared() < 1e-8 {
-            if p.separation < q.separation {
-                q.separation = p.separation;
-                q.point = p.point;
+/// Of two points at one place the deeper stays.
+fn drop_twins(group: &mut Vec<ManifoldPoint>) {
+    let mut n = 0;
+    for i in 0..group.len() {
+        let p = group[i];
+        match group[..n].iter_mut().find(|q| (q.point - p.point).length_squared() < 1e-8) {
+            Some(q) if p.separation < q.separation => *q = p,
+            Some(_) => {}
+            None => {
+                group[n] = p;
+                n += 1;
             }
-            return;
         }
     }
-    while group.iter().any(|q| q.feature == p.feature) {
-        p.feature = p.feature.wrapping_add(1);
+    group.truncate(n);
+}
+
+/// Ids of different triangles are mixed and may, rarely, meet.
+fn part_features(m: &mut Manifold) {
+    for i in 1..usize::from(m.count) {
+        while m.points[..i].iter().any(|q| q.feature == m.points[i].feature) {
+            m.points[i].feature = m.points[i].feature.wrapping_add(1);
+        }
     }
-    group.push(p);
 }
