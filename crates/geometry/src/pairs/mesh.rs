@@ -30,7 +30,7 @@ const PLANE_SLOP: f32 = 0.005;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     normal: Vec3,
-    triangle_normal: Vec3,
+    facing: Facing,
     faces: u8,
     triangle: u32,
     taken: bool,
@@ -64,20 +64,14 @@ pub(crate) fn surface_convex(
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
         let Some(m) = triangle(a, &t, b, pose, margin, scratch) else { continue };
-        let index = a.name(index);
-        for p in m.points() {
-            let feature = (index.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
-            mesh.candidates.push(Candidate {
-                normal: m.normal,
-                triangle_normal: t.normal,
-                faces: m.faces,
-                triangle: index,
-                taken: false,
-                point: ManifoldPoint { feature: feature ^ feature >> 15, ..*p },
-            });
-        }
+        add(&mut mesh.candidates, &m, &t, a.name(index));
     }
-    snap_to_faces(&mut mesh.candidates, f32s::min(PLANE_SLOP, 0.05 * b.thickness()));
+    let slop = f32s::min(PLANE_SLOP, 0.05 * b.thickness());
+    snap_to_faces(&mut mesh.candidates, slop, |t| {
+        // Balls touch a face in one point, and that is found.
+        let round = matches!(b.core, Core::Point);
+        if round { None } else { face_only(t, b, pose, margin, scratch) }
+    });
     merge(mesh, cache, out);
 }
 
@@ -99,12 +93,10 @@ fn triangle(
     if matches!(b.core, Core::Point) {
         return sphere(surface, t, b.radius, pose.p, margin);
     }
-    let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
     if surface.is_gentle(t) {
-        let a = Convex::triangle(TrianglePoly::new(t.corners, n));
-        let face = a.flat_face(n)?;
-        return general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch);
+        return face_only(t, b, pose, margin, scratch);
     }
+    let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
     let t = surface.full(t);
     let a = Convex::triangle(t.poly);
     let mut axis = general::axis(&a, b, pose, margin, &mut cache)?;
@@ -113,14 +105,29 @@ fn triangle(
         axis = general_face_axis(&t.poly, low, b.radius + over);
     }
     let m = general::contact(&a, b, pose, margin, &axis, &mut cache, scratch)?;
-    if m.faces & FACE_A != 0 || t.allows(m.normal) {
+    let depth = |m: &Manifold| m.points().iter().fold(f32::MAX, |d, p| f32s::min(p.separation, d));
+    let up = n.dot(m.normal);
+    let allowed = t.allows(m.normal);
+    // At a border nobody knows whether the surface goes on; when in it, the face is the better guess.
+    let border = t.is_border(m.normal) && up > 0.3 && depth(&m) < 0.0;
+    if m.faces & FACE_A != 0 || (allowed && !border) {
         return Some(m);
     }
     let face = a.flat_face(n)?;
-    let flat = general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch)?;
+    let flat = general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch);
     // Past a convex edge the neighbour answers; this face must not lift the body from far below.
-    let depth = |m: &Manifold| m.points().iter().fold(f32::MAX, |d, p| f32s::min(p.separation, d));
-    (n.dot(m.normal) > 0.7 || depth(&flat) > 2.0 * depth(&m) - 0.1 * b.thickness()).then_some(flat)
+    let level = |f: &Manifold| depth(f) > 2.0 * depth(&m) - 0.1 * b.thickness();
+    match flat {
+        Some(f) if (!allowed && up > 0.7) || level(&f) => Some(f),
+        _ => allowed.then_some(m),
+    }
+}
+
+/// What B shows to the face, clipped to the triangle.
+fn face_only(t: &Facing, b: &Convex, pose: &Pose, margin: f32, scratch: &mut Scratch) -> Option<Manifold> {
+    let a = Convex::triangle(TrianglePoly::new(t.corners, t.normal));
+    let face = a.flat_face(t.normal)?;
+    general::face_contact(&a, &face, b, pose, margin, &mut PairCache::default(), scratch)
 }
 
 fn general_face_axis(t: &TrianglePoly, low: Vec3, gap: f32) -> super::hull_hull::Axis {
@@ -155,28 +162,57 @@ fn sphere(surface: &Surface, t: &Facing, r: f32, p: Vec3, margin: f32) -> Option
     (s <= margin).then(|| one_point(c, near + c * (0.5 * s), s, 1, 0))
 }
 
-/// Edge and vertex contacts in the plane of a face contact take its normal.
-fn snap_to_faces(candidates: &mut [Candidate], slop: f32) {
+fn add(candidates: &mut Vec<Candidate>, m: &Manifold, t: &Facing, name: u32) {
+    for p in m.points() {
+        let feature = (name.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
+        candidates.push(Candidate {
+            normal: m.normal,
+            facing: *t,
+            faces: m.faces,
+            triangle: name,
+            taken: false,
+            point: ManifoldPoint { feature: feature ^ feature >> 15, ..*p },
+        });
+    }
+}
+
+/// Edge and vertex contacts in the plane of a face contact: where their own triangle continues that plane, its face
+/// answers instead; where they only lean a little, they take the plane's normal.
+fn snap_to_faces(
+    candidates: &mut Vec<Candidate>,
+    slop: f32,
+    mut face_only: impl FnMut(&Facing) -> Option<Manifold>,
+) {
+    let mut last = NO_SUB;
     for i in 0..candidates.len() {
-        if candidates[i].faces & FACE_A != 0 {
+        let c = candidates[i];
+        if c.faces & FACE_A != 0 {
             continue;
         }
-        let c = candidates[i];
         let surface = c.point.point - c.normal * (0.5 * c.point.separation);
         let face = candidates.iter().find(|f| {
             let on = f.point.point - f.normal * (0.5 * f.point.separation);
+            let in_plane = |p: &Vec3| f.normal.dot(*p - on).abs() <= slop;
             f.faces & FACE_A != 0
-                && f.normal.dot(surface - on).abs() <= slop
-                && (c.triangle_normal.dot(f.normal) > 0.99 || c.normal.dot(f.normal) > 0.95)
+                && (c.facing.normal.dot(f.normal) > 0.99 && c.facing.corners.iter().any(in_plane)
+                    || c.normal.dot(f.normal) > 0.95 && in_plane(&surface))
         });
-        if let Some(f) = face {
-            let normal = f.normal;
-            let separation = c.point.separation * c.normal.dot(normal);
-            let q = &mut candidates[i];
-            q.point.separation = separation;
-            q.point.point = surface + normal * (0.5 * separation);
-            q.normal = normal;
+        let Some(normal) = face.map(|f| f.normal) else { continue };
+        if c.facing.normal.dot(normal) > 0.99 {
+            candidates[i].taken = true;
+            if c.triangle != last {
+                last = c.triangle;
+                if let Some(m) = face_only(&c.facing) {
+                    add(candidates, &m, &c.facing, c.triangle);
+                }
+            }
+            continue;
         }
+        let separation = c.point.separation * c.normal.dot(normal);
+        let q = &mut candidates[i];
+        q.point.separation = separation;
+        q.point.point = surface + normal * (0.5 * separation);
+        q.normal = normal;
     }
 }
 

@@ -215,13 +215,25 @@ impl Surface<'_> {
 
 impl SurfaceTriangle {
     /// May the surface push along the unit vector `c`? Not where `c` leans over an internal edge, nor where it leans
-    /// further than the normal of the triangle across a convex one. The edges in question are those at the corner
-    /// that lies farthest along `c`, or the one edge whose both ends do.
+    /// further than the normal of the triangle across a convex one.
     pub fn allows(&self, c: Vec3) -> bool {
+        let asked = self.edges_along(c);
+        (0..3).all(|k| !asked[k] || self.allows_at(k, c))
+    }
+
+    /// Does `c` lean over a border?
+    pub fn is_border(&self, c: Vec3) -> bool {
+        let asked = self.edges_along(c);
+        (0..3).any(|k| asked[k] && self.across[k] == Across::Nothing)
+    }
+
+    /// The edges that can be touched along `c`: those at the corner that lies farthest along it, or the one edge whose
+    /// both ends do.
+    fn edges_along(&self, c: Vec3) -> [bool; 3] {
         let n = self.poly.normal();
         let lean = c - n * c.dot(n);
         if lean.length_squared() < 1e-8 {
-            return true;
+            return [false; 3];
         }
         let v = self.poly.vertices;
         let s = [0.0, lean.dot(v[1] - v[0]), lean.dot(v[2] - v[0])];
@@ -229,12 +241,9 @@ impl SurfaceTriangle {
         let bottom = Vec3::from_array(s).min_component();
         let on = s.map(|x| top - x <= 0.01 * (top - bottom));
         let edge = (0..3).find(|&k| on[k] && on[(k + 1) % 3]);
-        (0..3).all(|k| {
-            let asked = match edge {
-                Some(e) => k == e,
-                None => on[k] || on[(k + 1) % 3],
-            };
-            !asked || self.allows_at(k, c)
+        core::array::from_fn(|k| match edge {
+            Some(e) => k == e,
+            None => on[k] || on[(k + 1) % 3],
         })
     }
 
