@@ -3,7 +3,7 @@
 mod common;
 use common::{Rng, gap};
 use jounce_geometry::{Hull, Manifold, ManifoldSet, PairCache, Shape, collide};
-use jounce_math::{Pose, Quat, Vec3};
+use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::Arc;
 
 const MARGIN: f32 = 0.02;
@@ -27,7 +27,7 @@ fn hull(rng: &mut Rng) -> Shape {
         let points: Vec<Vec3> = (0..6 + rng.next() as usize % 14)
             .map(|_| {
                 let p = rng.direction() * rng.range(0.3, 1.0);
-                Vec3::new(p.x, p.y.clamp(-flat, flat), p.z)
+                Vec3::new(p.x, f32s::clamp(p.y, -flat, flat), p.z)
             })
             .collect();
         if let Ok(h) = Hull::new(&points)

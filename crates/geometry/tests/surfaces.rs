@@ -5,7 +5,7 @@ use common::Rng;
 use jounce_geometry::{
     Compound, HeightField, Hull, Manifold, ManifoldSet, PairCache, Shape, TriMesh, TriMeshOptions, collide,
 };
-use jounce_math::{Pose, Quat, Vec3};
+use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::Arc;
 
 const MARGIN: f32 = 0.02;
@@ -56,7 +56,8 @@ fn manifolds(a: &Shape, b: &Shape, pose: &Pose) -> Vec<Manifold> {
 /// A six-sided prism.
 fn prism() -> Hull {
     let corner = |k: usize, y: f32| {
-        let (s, c) = (std::f32::consts::FRAC_PI_3 * k as f32).sin_cos();
+        let angle = std::f32::consts::FRAC_PI_3 * k as f32;
+        let (s, c) = (f32s::sin(angle), f32s::cos(angle));
         Vec3::new(0.5 * c, y, 0.5 * s)
     };
     let points: Vec<Vec3> = (0..12).map(|k| corner(k % 6, if k < 6 { -0.35 } else { 0.35 })).collect();
@@ -126,7 +127,7 @@ fn tilted_bodies_on_flat_triangles_keep_the_normal() {
                 let mut deepest = f32::MAX;
                 for m in &m {
                     assert!((m.normal - Vec3::Y).length() < 1e-3, "{what}");
-                    deepest = m.points().iter().fold(deepest, |d, p| d.min(p.separation));
+                    deepest = m.points().iter().fold(deepest, |d, p| f32s::min(p.separation, d));
                 }
                 assert!((deepest + depth).abs() < 1e-3, "{deepest} {what}");
             }
