@@ -105,3 +105,51 @@ impl Aabb {
         self.min.is_finite() && self.max.is_finite()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entry(b: &Aabb, origin: Vec3, dir: Vec3) -> Option<f32> {
+        b.ray_entry(origin, Vec3::new(1.0 / dir.x, 1.0 / dir.y, 1.0 / dir.z), 10.0)
+    }
+
+    /// 0 · ∞ turns up where a ray runs in the plane of a side: touching counts, whatever the signs of the zeros.
+    #[test]
+    fn rays_in_the_plane_of_a_side_hit() {
+        let cube = Aabb::new(Vec3::ZERO, Vec3::ONE);
+        let flat = Aabb::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0));
+        for zero in [0.0, -0.0] {
+            for (y, z) in [(0.0, 0.0), (1.0, 0.5), (0.0, 1.0), (1.0, 1.0)] {
+                let o = Vec3::new(-2.0, y, z);
+                assert_eq!(entry(&cube, o, Vec3::new(1.0, zero, zero)), Some(2.0));
+                assert_eq!(entry(&cube, o, Vec3::new(-1.0, zero, zero)), None);
+                assert_eq!(
+                    entry(&cube, o + Vec3::new(5.0, 0.0, 0.0), Vec3::new(-1.0, zero, zero)),
+                    Some(2.0)
+                );
+                assert_eq!(entry(&cube, o + Vec3::new(0.0, 0.0, 2.0), Vec3::new(1.0, zero, zero)), None);
+            }
+            assert_eq!(entry(&flat, Vec3::new(-2.0, 0.0, 0.5), Vec3::new(1.0, zero, zero)), Some(2.0));
+            assert_eq!(entry(&flat, Vec3::new(0.5, 3.0, 0.5), Vec3::new(zero, -1.0, zero)), Some(3.0));
+        }
+        assert_eq!(entry(&cube, Vec3::splat(0.5), Vec3::X), Some(0.0));
+    }
+
+    #[test]
+    fn transformed_box_holds_its_corners() {
+        let b = Aabb::new(Vec3::new(-1.0, 2.0, 0.5), Vec3::new(3.0, 2.5, 4.0));
+        let q = jounce_math::Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.1);
+        let pose = Pose::new(Vec3::new(5.0, -3.0, 1.0), q);
+        let corners = (0..8u32).map(|k| {
+            let pick = |bit: u32, lo: f32, hi: f32| if k & bit == 0 { lo } else { hi };
+            pose.transform_point(Vec3::new(
+                pick(1, b.min.x, b.max.x),
+                pick(2, b.min.y, b.max.y),
+                pick(4, b.min.z, b.max.z),
+            ))
+        });
+        let (want, got) = (Aabb::from_points(corners), b.transformed(&pose));
+        assert!((want.min - got.min).length() < 1e-5 && (want.max - got.max).length() < 1e-5);
+    }
+}

@@ -1,40 +1,15 @@
 //! Convex hulls of kind and of hostile points.
 
+mod common;
+use common::Rng;
 use jounce_geometry::{GeometryError, Hull, Shape, limits};
 use jounce_math::{
     Quat, Vec3,
     scalar::{f32s, f64s},
 };
 
-/// A seeded generator of plain uniform numbers.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as u32
-    }
-    fn below(&mut self, n: usize) -> usize {
-        self.next() as usize % n
-    }
-    fn unit(&mut self) -> f32 {
-        self.next() as f32 / (1u64 << 31) as f32
-    }
-    fn vec(&mut self) -> Vec3 {
-        let mut c = || self.unit() * 2.0 - 1.0;
-        Vec3::new(c(), c(), c())
-    }
-    fn direction(&mut self) -> Vec3 {
-        loop {
-            let v = self.vec();
-            if v.length() > 0.1 && v.length() < 1.0 {
-                return v * (1.0 / v.length());
-            }
-        }
-    }
-    fn rotation(&mut self) -> Quat {
-        Quat::from_axis_angle(self.direction(), self.unit() * 6.0)
-    }
+fn below(r: &mut Rng, n: usize) -> usize {
+    r.next() as usize % n
 }
 
 /// Every point is behind every face and every vertex was given.
@@ -69,15 +44,15 @@ fn cube(half: Vec3) -> Vec<Vec3> {
 
 #[test]
 fn box_has_six_faces_however_it_is_turned_scaled_or_crowded() {
-    let mut r = Random(1);
+    let mut r = Rng(1);
     for round in 0..200 {
         let half = Vec3::new(0.2 + r.unit(), 0.2 + r.unit(), 0.2 + r.unit());
         let scale = [1e-6, 1e-3, 1.0, 1e3, 3e5][round % 5];
         let q = r.rotation();
         let mut points = cube(half);
         // Points on edges, on faces, inside, and duplicates.
-        for _ in 0..r.below(60) {
-            let (a, b) = (points[r.below(8)], points[r.below(8)]);
+        for _ in 0..below(&mut r, 60) {
+            let (a, b) = (points[below(&mut r, 8)], points[below(&mut r, 8)]);
             points.push(a.lerp(b, r.unit()));
         }
         let points: Vec<Vec3> = points.iter().map(|&p| q.rotate(p) * scale).collect();
@@ -98,7 +73,7 @@ fn box_has_six_faces_however_it_is_turned_scaled_or_crowded() {
 
 #[test]
 fn round_bodies_keep_their_vertices_up_to_the_limit() {
-    let mut r = Random(2);
+    let mut r = Rng(2);
     for n in [20, 100, 250, 2000, 20_000] {
         let points: Vec<Vec3> = (0..n).map(|_| r.direction()).collect();
         let hull = Hull::new(&points).unwrap();
@@ -119,8 +94,8 @@ fn refusals_name_the_reason() {
         Err(GeometryError::Degenerate { what, .. }) => what,
         other => panic!("{other:?}"),
     };
-    let mut r = Random(3);
-    let (a, u, v) = (r.vec(), r.direction(), r.direction());
+    let mut r = Rng(3);
+    let (a, u, v) = (r.vec(1.0), r.direction(), r.direction());
     assert_eq!(named(&[a; 9]), "all one point");
     let line: Vec<Vec3> = (0..9).map(|i| u * i as f32).collect();
     assert!(["collinear", "too thin"].contains(&named(&line)));
@@ -150,26 +125,26 @@ fn scaled_and_mirrored() {
 
 /// Points that break hull builders: grids, clusters within rounding of each other, slivers, flats with
 /// noise near the tolerance, rings, all far from the origin now and then.
-fn hostile(r: &mut Random) -> Vec<Vec3> {
-    let n = 4 + r.below(40);
-    let noise = [0.0, 1e-8, 1e-7, 1e-6, 4e-6, 1e-5, 1e-4][r.below(7)];
-    let kind = r.below(8);
-    let clusters: Vec<Vec3> = (0..2 + r.below(5)).map(|_| r.vec()).collect();
-    let thin = [1.0, 1e-2, 1e-4, 1e-5, 1e-6][r.below(5)];
+fn hostile(r: &mut Rng) -> Vec<Vec3> {
+    let n = 4 + below(r, 40);
+    let noise = [0.0, 1e-8, 1e-7, 1e-6, 4e-6, 1e-5, 1e-4][below(r, 7)];
+    let kind = below(r, 8);
+    let clusters: Vec<Vec3> = (0..2 + below(r, 5)).map(|_| r.vec(1.0)).collect();
+    let thin = [1.0, 1e-2, 1e-4, 1e-5, 1e-6][below(r, 5)];
     let mut points: Vec<Vec3> = (0..n)
         .map(|i| {
             let p = match kind {
-                0 => Vec3::new(r.below(3) as f32, r.below(3) as f32, r.below(3) as f32),
-                1 => clusters[r.below(clusters.len())],
-                2 => r.vec(),
+                0 => Vec3::new(below(r, 3) as f32, below(r, 3) as f32, below(r, 3) as f32),
+                1 => clusters[below(r, clusters.len())],
+                2 => r.vec(1.0),
                 3 => r.direction(),
                 4 => {
                     let a = (i / 2) as f32 * 12.566_371 / n as f32;
                     Vec3::new(f32s::cos(a), if i % 2 == 0 { 1.0 } else { -1.0 }, f32s::sin(a))
                 }
                 5 => {
-                    let mut p = r.vec();
-                    let axis = r.below(3);
+                    let mut p = r.vec(1.0);
+                    let axis = below(r, 3);
                     p[axis] = p[axis].signum();
                     p
                 }
@@ -180,12 +155,12 @@ fn hostile(r: &mut Random) -> Vec<Vec3> {
                     Vec3::new(x, 1e-5 * (1.0 - x * x - z * z) - if i < 4 { 0.5 } else { 0.0 }, z)
                 }
             };
-            Vec3::new(p.x, p.y * thin, p.z) + r.vec() * noise
+            Vec3::new(p.x, p.y * thin, p.z) + r.vec(1.0) * noise
         })
         .collect();
-    let q = if r.below(2) == 0 { r.rotation() } else { Quat::IDENTITY };
-    let scale = [1e-6, 1e-3, 1.0, 1e5][r.below(4)];
-    let shift = if r.below(4) == 0 { r.vec() * 100.0 } else { Vec3::ZERO };
+    let q = if below(r, 2) == 0 { r.rotation() } else { Quat::IDENTITY };
+    let scale = [1e-6, 1e-3, 1.0, 1e5][below(r, 4)];
+    let shift = if below(r, 4) == 0 { r.vec(1.0) * 100.0 } else { Vec3::ZERO };
     for p in &mut points {
         *p = (q.rotate(*p) + shift) * scale;
     }
@@ -195,7 +170,7 @@ fn hostile(r: &mut Random) -> Vec<Vec3> {
 #[test]
 fn hostile_points_make_a_valid_hull_or_a_named_refusal() {
     let count = if std::env::var_os("JOUNCE_PROVE").is_some() { 1_000_000 } else { 10_000 };
-    let mut r = Random(4);
+    let mut r = Rng(4);
     let (mut built, mut triangulated) = (0, 0);
     for k in 0..count {
         let points = hostile(&mut r);

@@ -1,23 +1,9 @@
 //! Triangle meshes: what is kept, how edges are classed, rays and closest points against every triangle in turn.
 
+mod common;
+use common::Rng;
 use jounce_geometry::{Aabb, GeometryError, NO_SUB, Shape, TriMesh, TriMeshOptions};
 use jounce_math::{Vec3, scalar::f32s};
-
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as u32
-    }
-    fn unit(&mut self) -> f32 {
-        self.next() as f32 / (1u64 << 31) as f32
-    }
-    fn vec(&mut self) -> Vec3 {
-        let mut c = || self.unit() * 2.0 - 1.0;
-        Vec3::new(c(), c(), c())
-    }
-}
 
 fn mesh(vertices: &[Vec3], triangles: &[[u32; 3]]) -> TriMesh {
     TriMesh::new(vertices, triangles, TriMeshOptions::default()).unwrap()
@@ -75,11 +61,11 @@ fn rays_and_closest_points_agree_with_every_triangle_in_turn() {
         })
         .collect();
     let shape = Shape::Mesh(mesh(&v, &t).into());
-    let mut r = Random(7);
+    let mut r = Rng(7);
     let mut hits = 0;
     for _ in 0..2000 {
-        let o = Vec3::new(12.0, 0.0, 12.0) + r.vec().mul(Vec3::new(14.0, 3.0, 14.0));
-        let d = r.vec();
+        let o = Vec3::new(12.0, 0.0, 12.0) + r.vec(1.0).mul(Vec3::new(14.0, 3.0, 14.0));
+        let d = r.vec(1.0);
         let got = shape.ray_cast(o, d, 10.0);
         let want = one_by_one.iter().filter_map(|s| s.ray_cast(o, d, 10.0)).map(|h| h.t);
         let want = want.fold(f32::INFINITY, f32s::min);
@@ -105,9 +91,9 @@ fn rays_and_closest_points_agree_with_every_triangle_in_turn() {
 fn no_ray_slips_between_triangles() {
     let (v, t) = ground(16);
     let shape = Shape::Mesh(mesh(&v, &t).into());
-    let mut r = Random(9);
+    let mut r = Rng(9);
     for _ in 0..4000 {
-        let (i, j) = (1 + r.next() % 15, 1 + r.next() % 15);
+        let (i, j) = (1 + r.next() as u32 % 15, 1 + r.next() as u32 % 15);
         let a = v[(j * 17 + i) as usize];
         let b = v[(j * 17 + i + [1, 17, 18, 0][r.next() as usize % 4]) as usize];
         let target = a.lerp(b, r.unit());
@@ -173,9 +159,9 @@ fn hostile_lists_are_refused_by_name() {
 fn overlapping_finds_every_box() {
     let (v, t) = ground(12);
     let m = mesh(&v, &t);
-    let mut r = Random(11);
+    let mut r = Rng(11);
     for _ in 0..200 {
-        let q = Aabb::from_center(Vec3::new(6.0, 0.0, 6.0) + r.vec() * 6.0, r.vec().abs());
+        let q = Aabb::from_center(Vec3::new(6.0, 0.0, 6.0) + r.vec(1.0) * 6.0, r.vec(1.0).abs());
         let mut got = Vec::new();
         m.overlapping(&q, |i| got.push(i));
         got.sort_unstable();

@@ -5,7 +5,7 @@ use common::{Rng, gap};
 use jounce_geometry::{
     HeightField, Shape, Sweep, TimeOfImpact, cast_shape, distance, overlap, time_of_impact,
 };
-use jounce_math::{Pose, Quat, Vec3};
+use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::Arc;
 
 fn cases() -> usize {
@@ -37,9 +37,9 @@ fn distance_of_balls_and_boxes_is_exact() {
         let pose = Pose::new(p, rng.rotation());
         let d =
             distance(&Shape::Sphere { radius: a }, &Shape::Sphere { radius: b }, &pose, f32::MAX).unwrap();
-        assert!((d.distance - (p.length() - a - b).max(0.0)).abs() < 1e-5);
+        assert!((d.distance - f32s::max(p.length() - a - b, 0.0)).abs() < 1e-5);
         let half = Vec3::new(0.5, 1.0, 1.5);
-        let want = ((p - p.clamp(-half, half)).length() - b).max(0.0);
+        let want = f32s::max((p - p.clamp(-half, half)).length() - b, 0.0);
         let s = (Shape::Box { half }, Shape::Sphere { radius: b });
         let d = distance(&s.0, &s.1, &pose, f32::MAX).unwrap();
         assert!((d.distance - want).abs() < 1e-5, "{d:?} {want}");
@@ -60,7 +60,7 @@ fn distance_is_the_largest_gap_of_any_direction() {
                 let d = distance(&a, &b, &pose, f32::MAX).unwrap();
                 let what = format!("#{k} {a:?} {b:?} {pose:?} {d:?}");
                 let g = gap(&a, &b, &pose, 500, &[d.normal]);
-                assert!((d.distance - g.max(0.0)).abs() < 1e-4, "{g} {what}");
+                assert!((d.distance - f32s::max(g, 0.0)).abs() < 1e-4, "{g} {what}");
                 assert_eq!(overlap(&a, &b, &pose), d.distance == 0.0, "{what}");
                 if d.distance > 0.0 {
                     assert!(((d.point_b - d.point_a).length() - d.distance).abs() < 1e-4, "{what}");
@@ -83,8 +83,11 @@ fn surface_distance_does_not_depend_on_the_search() {
             let brute = (0..h.triangle_count())
                 .filter_map(|i| h.triangle(i))
                 .map(|t| triangle_gap(&t, &body, &pose))
-                .fold(f32::MAX, f32::min);
-            assert!((d.distance - brute.max(0.0)).abs() < 2e-3, "#{k} {brute} {d:?} {body:?} {pose:?}");
+                .fold(f32::MAX, f32s::min);
+            assert!(
+                (d.distance - f32s::max(brute, 0.0)).abs() < 2e-3,
+                "#{k} {brute} {d:?} {body:?} {pose:?}"
+            );
         }
     }
 }
@@ -92,7 +95,7 @@ fn surface_distance_does_not_depend_on_the_search() {
 /// Largest gap between a triangle and a body over directions, by climbing.
 fn triangle_gap(t: &[Vec3; 3], b: &Shape, pose: &Pose) -> f32 {
     let point = |n: Vec3| {
-        let far = t.iter().map(|v| v.dot(n)).fold(f32::MIN, f32::max);
+        let far = t.iter().map(|v| v.dot(n)).fold(f32::MIN, f32s::max);
         let q = pose.transform_point(common::support(b, pose.q.inverse_rotate(-n)));
         q.dot(n) - far
     };
@@ -104,7 +107,8 @@ fn triangle_gap(t: &[Vec3; 3], b: &Shape, pose: &Pose) -> f32 {
         let mut better = false;
         // Many directions: the gap has ridges, and along a ridge few of them go up.
         for k in 0..64 {
-            let (s, c) = (std::f32::consts::TAU / 64.0 * k as f32).sin_cos();
+            let angle = std::f32::consts::TAU / 64.0 * k as f32;
+            let (s, c) = (f32s::sin(angle), f32s::cos(angle));
             let m = (n + (u * c + v * s) * step).normalize_or(n);
             if point(m) > g {
                 (g, n, better) = (point(m), m, true);

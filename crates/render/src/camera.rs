@@ -1,7 +1,7 @@
 //! Where the picture is taken from.
 
 use crate::error::{RenderError, Result};
-use jounce::math::scalar::f32s;
+use jounce::math::scalar::{f32s, f64s};
 use jounce::math::{DVec3, Vec3};
 
 /// A pinhole camera.
@@ -44,32 +44,36 @@ impl Camera {
         Ok(())
     }
 
-    /// A camera that sees the whole box from the front, a little from the side and above, at the given
-    /// ratio of width to height. An empty or broken box gives a view of the origin.
-    pub fn framing(min: DVec3, max: DVec3, aspect: f32) -> Self {
-        let ok = min.is_finite() && max.is_finite() && (max - min).min_component() >= 0.0;
-        let (min, max) = if ok { (min, max) } else { (DVec3::splat(-2.0), DVec3::splat(2.0)) };
-        let center = (min + max) * 0.5;
-        let mut camera = Self::new(center, center);
+    /// A camera that sees all the points from the front, a little from the side and above, at the given ratio
+    /// of width to height. Without a finite point it looks at the origin.
+    pub fn framing(points: &[DVec3], aspect: f32) -> Self {
+        let camera = Self::new(DVec3::ZERO, DVec3::ZERO);
         let back = DVec3::new(0.42, 0.30, 1.0).normalize_or(DVec3::Z);
         let right = DVec3::Y.cross(back).normalize_or(DVec3::X);
         let up = back.cross(right);
-        let half_v = f64::from(f32s::tan(camera.fov_deg.to_radians() * 0.5)) * 0.86;
-        let half_h = half_v * f64::from(aspect);
-        // The eye stands where the corner that needs most distance still fits.
-        let mut distance = 0.5;
-        for i in 0..8 {
-            let pick = |bit, a: f64, b: f64| if i & bit == 0 { a } else { b };
-            let corner =
-                DVec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z)) - center;
-            let need =
-                corner.dot(back) + (corner.dot(right).abs() / half_h).max(corner.dot(up).abs() / half_v);
-            if need > distance {
-                distance = need;
-            }
+        let first = points.iter().copied().find(|p| p.is_finite()).unwrap_or(DVec3::ZERO);
+        // In the frame of the eye, from the first point, so that far places lose no digits.
+        let seen = |p: &DVec3| {
+            let d = *p - first;
+            DVec3::new(d.dot(right), d.dot(up), d.dot(back))
+        };
+        let finite = || points.iter().filter(|p| p.is_finite()).map(seen);
+        let (mut lo, mut hi) = (DVec3::splat(-0.2), DVec3::splat(0.2));
+        for p in finite() {
+            (lo, hi) = (lo.min(p), hi.max(p));
         }
-        camera.position = center + back * distance;
-        camera
+        let middle = (lo + hi) * 0.5;
+        let half_v = f64::from(f32s::tan(camera.fov_deg.to_radians() * 0.5)) * 0.88;
+        let half_h = half_v * f64::from(aspect);
+        // The eye stands where the point that needs most distance still fits.
+        let mut distance = 1.0;
+        for p in finite() {
+            let d = p - middle;
+            let need = d.z + f64s::max(d.x.abs() / half_h, d.y.abs() / half_v);
+            distance = f64s::max(distance, need);
+        }
+        let target = first + right * middle.x + up * middle.y + back * middle.z;
+        Self { position: target + back * distance, target, ..camera }
     }
 
     pub(crate) fn view(&self, width: u32, height: u32) -> View {
@@ -126,21 +130,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn framing_keeps_every_corner_inside() {
+    fn framing_keeps_every_point_inside() {
         for (min, max) in [
             (DVec3::new(-1.0, 0.0, -1.0), DVec3::new(1.0, 20.0, 1.0)),
             (DVec3::new(1e6, 0.0, 0.0), DVec3::new(1e6 + 30.0, 1.0, 30.0)),
+            (DVec3::ZERO, DVec3::ZERO),
         ] {
-            let c = Camera::framing(min, max, 16.0 / 9.0);
+            let pick = |bit: bool, a: f64, b: f64| if bit { a } else { b };
+            let corners: Vec<DVec3> = (0..8)
+                .map(|i| {
+                    let x = pick(i & 1 == 0, min.x, max.x);
+                    DVec3::new(x, pick(i & 2 == 0, min.y, max.y), pick(i & 4 == 0, min.z, max.z))
+                })
+                .collect();
+            let c = Camera::framing(&corners, 16.0 / 9.0);
             c.check().expect("a usable camera");
             let v = c.view(160, 90);
-            for i in 0..8 {
-                let pick = |b, a: f64, c: f64| if i & b == 0 { a } else { c };
-                let p = DVec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z));
+            for p in corners {
                 let (x, y, _) = v.project(p).expect("in front");
                 assert!((0.0..160.0).contains(&x) && (0.0..90.0).contains(&y), "{x} {y}");
             }
         }
+        Camera::framing(&[DVec3::splat(f64::NAN)], 1.0).check().expect("a usable camera");
     }
 
     #[test]

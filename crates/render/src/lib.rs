@@ -1,6 +1,6 @@
 //! Pictures of a world, made by casting rays at it with the engine's own queries; films and plots.
 //!
-//! * [`render`]: a [`Camera`], a world (any [`Tracer`]) and an [`Overlay`] give an [`Image`].
+//! * [`render()`]: a [`Camera`], a world (as a [`Stage`]; any [`Tracer`]) and an [`Overlay`] give an [`Image`].
 //! * [`Image`]: pixels, and PNG files; [`Film`]: animated GIFs.
 //! * [`Plot`]: curves over time as SVG or as an [`Image`].
 //!
@@ -18,6 +18,7 @@ mod plot;
 mod render;
 mod text;
 mod tracer;
+mod world;
 
 pub use camera::Camera;
 pub use error::{RenderError, Result};
@@ -29,6 +30,7 @@ pub use plot::{Plot, Series, Style};
 pub use render::{RenderOptions, render};
 pub use text::draw as draw_text;
 pub use tracer::{Hit, Tracer};
+pub use world::{Paint, Stage, default_skin};
 
 #[cfg(test)]
 mod tests;

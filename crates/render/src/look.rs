@@ -43,6 +43,10 @@ pub struct Look {
     pub openness_reach: f32,
     /// Distance at which half of a surface is lost in the haze, metres; 0 chooses by the camera's distance.
     pub haze_distance: f32,
+    /// Factor on the sun's light.
+    pub sun_strength: f32,
+    /// Colour of the sky and of the haze; `None` is the blue one.
+    pub background: Option<Vec3>,
     /// Factor on all light.
     pub exposure: f32,
 }
@@ -54,6 +58,8 @@ impl Default for Look {
             sun_radius: 0.045,
             openness_reach: 0.0,
             haze_distance: 0.0,
+            sun_strength: 1.0,
+            background: None,
             exposure: 1.0,
         }
     }
@@ -105,6 +111,9 @@ pub(crate) struct Spot {
 impl Look {
     /// Colour of the sky in a direction.
     pub fn sky(&self, dir: Vec3) -> Vec3 {
+        if let Some(c) = self.background {
+            return c;
+        }
         let up = f32s::clamp(dir.y, 0.0, 1.0);
         let k = 1.0 - (1.0 - up) * (1.0 - up);
         let base = HORIZON.lerp(ZENITH, k);
@@ -117,7 +126,7 @@ impl Look {
     pub(crate) fn shade(&self, skin: &Skin, s: &Spot, haze_distance: f32) -> Vec3 {
         let n = s.normal;
         let albedo = albedo(skin, s);
-        let sun = f32s::max(n.dot(self.sun), 0.0) * s.sun;
+        let sun = f32s::max(n.dot(self.sun), 0.0) * s.sun * self.sun_strength;
         let ambient = GROUND_LIGHT.lerp(SKY_LIGHT, 0.5 + 0.5 * n.y) * s.open;
         let mut c = albedo.mul(SUN * sun + ambient);
         // Gloss: Schlick's Fresnel term on the sky, a Blinn highlight of the sun.
@@ -132,7 +141,7 @@ impl Look {
             for _ in 0..6 {
                 h *= h;
             }
-            c += SUN * (h * skin.gloss * 0.30 * s.sun);
+            c += SUN * (h * skin.gloss * 0.30 * s.sun * self.sun_strength);
         }
         let x = s.t / haze_distance;
         let haze = 1.0 - 1.0 / (1.0 + x * x);

@@ -3,21 +3,28 @@
 //! [`Scene::load`] reads and checks everything a file says and tells the first mistake with file, line, column, key
 //! and what was expected.
 #![forbid(unsafe_code)]
-#![allow(dead_code)]
 
 mod bodies;
+mod color;
 mod error;
 mod json;
 pub mod limits;
 mod load;
 mod mesh;
 mod plan;
+mod probe;
 mod random;
 mod read;
+mod report;
+mod samples;
 mod shapes;
+mod simulation;
 pub mod spec;
 
 pub use error::{Fault, SceneError};
 pub use json::{KeyPath, Position, Segment};
 pub use load::{LoadOptions, Scene};
 pub use mesh::MeshData;
+pub use report::{Expectation, Expected, Momentum, Report, StartEnd, StepMs};
+pub use samples::Samples;
+pub use simulation::Simulation;

@@ -8,8 +8,8 @@ use crate::plan::{Entry, Expect, Look, expects, probes, timeline};
 use crate::read::read;
 use crate::shapes::{Library, settings};
 use crate::spec::SceneSpec;
-use jounce::WorldDesc;
 use jounce::math::Vec3;
+use jounce::{World, WorldDesc};
 use std::path::{Path, PathBuf};
 
 /// How to load a scene.
@@ -112,7 +112,11 @@ impl Scene {
         let acts = self.timeline.iter().map(|t| t.at + t.every * (t.times - 1) as f64);
         let last = asked.chain(acts).fold(0.0, |a, b| if b > a { b } else { a });
         let otherwise = if last > 0.0 { last } else { 5.0 };
-        self.spec.seconds.unwrap_or(otherwise)
+        self.spec.seconds.unwrap_or(if otherwise > limits::SECONDS_MAX {
+            limits::SECONDS_MAX
+        } else {
+            otherwise
+        })
     }
 
     /// Bodies that are there from the start.
@@ -139,12 +143,34 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         name_all(&g, &mut names).index(i).key("scatter")?;
         groups.push(g);
     }
+    trial(&spec, &world, &groups)?;
     let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names)?;
     let probes = probes(&spec.probes, &names)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
     looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
     Ok(Scene { name, world, groups, timeline, probes, expects, spec })
+}
+
+/// Puts every template into a world once: what the engine refuses (a body without mass, …) is told with its place.
+fn trial(spec: &SceneSpec, world: &WorldDesc, groups: &[Group]) -> Checked<()> {
+    let mut world = World::new(world.clone())?;
+    let single = groups.iter().take(spec.bodies.len()).enumerate();
+    for (i, g) in single {
+        try_one(&mut world, g, 0).index(i).key("bodies")?;
+    }
+    for (i, g) in groups.iter().skip(spec.bodies.len()).enumerate() {
+        for t in 0..g.templates.len() {
+            try_one(&mut world, g, t).index(t).key("bodies").index(i).key("scatter")?;
+        }
+    }
+    Ok(())
+}
+
+fn try_one(world: &mut World, g: &Group, template: usize) -> Checked<()> {
+    let added = world.add_body(g.templates[template].desc.clone())?;
+    world.remove_body(added)?;
+    Ok(())
 }
 
 fn name_all(g: &Group, names: &mut Names) -> Checked<()> {

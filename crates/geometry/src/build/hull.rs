@@ -50,7 +50,17 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The convex hull of points (metres). Survives duplicates, collinear and coplanar input;
+    /// The convex hull of points (metres).
+    ///
+    /// ```
+    /// use jounce_geometry::Hull;
+    /// use jounce_math::Vec3;
+    /// let hull = Hull::new(&[Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::splat(0.1)])?;
+    /// assert_eq!((hull.vertices().len(), hull.edges().len(), hull.faces().len()), (4, 6, 4));
+    /// # Ok::<(), jounce_geometry::GeometryError>(())
+    /// ```
+    ///
+    /// Survives duplicates, collinear and coplanar input;
     /// refuses sets without volume by name. At most [`crate::limits::HULL_VERTICES_MAX`] vertices are kept, the most
     /// extreme ones. Points nearer to the hull than 2·10⁻⁶ of its largest extent (or 4 roundings of its
     /// largest coordinate) make no vertex, and faces flat to that tolerance are one face.

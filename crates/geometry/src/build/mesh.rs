@@ -50,7 +50,19 @@ pub struct TriMesh {
 }
 
 impl TriMesh {
-    /// Builds a mesh. Degenerate triangles are dropped (their number is `dropped()`), triangle indices in
+    /// Builds a mesh.
+    ///
+    /// ```
+    /// use jounce_geometry::{Shape, TriMesh, TriMeshOptions};
+    /// use jounce_math::Vec3;
+    /// let corners = [Vec3::ZERO, Vec3::Z, Vec3::X];
+    /// let mesh = TriMesh::new(&corners, &[[0, 1, 2]], TriMeshOptions::default())?;
+    /// let hit = Shape::Mesh(mesh.into()).ray_cast(Vec3::new(0.2, 3.0, 0.2), -Vec3::Y, 10.0);
+    /// assert!(hit.is_some_and(|h| (h.t - 3.0).abs() < 1e-6 && h.normal == Vec3::Y && h.sub == 0));
+    /// # Ok::<(), jounce_geometry::GeometryError>(())
+    /// ```
+    ///
+    /// Degenerate triangles are dropped (their number is `dropped()`), triangle indices in
     /// results refer to the *given* list.
     ///
     /// # Errors
@@ -227,21 +239,24 @@ fn weld(vertices: &[Vec3], distance: f32) -> (Vec<Vec3>, Vec<u32>) {
     if distance == 0.0 {
         return weld_equal(vertices);
     }
+    // Wide cells: the ball around a vertex touches two of them on average.
+    let width = 4.0 * f64::from(distance);
+    let cell = |c: f32, shift: f32| ((f64::from(c) + f64::from(shift)) / width).floor() as i64;
     let mut cells: BTreeMap<[i64; 3], Vec<u32>> = BTreeMap::new();
     let (mut kept, mut index) = (Vec::new(), Vec::with_capacity(vertices.len()));
-    let width = f64::from(distance);
     for &v in vertices {
-        // Saturating casts keep any quotient in range.
-        let cell = v.to_array().map(|c| (f64::from(c) / width).floor() as i64);
-        let near = (0..27).find_map(|k| {
-            let neighbor = [cell[0] + k % 3 - 1, cell[1] + k / 3 % 3 - 1, cell[2] + k / 9 - 1];
-            let group = cells.get(&neighbor)?;
-            group.iter().copied().find(|&i| v.distance(kept[i as usize]) <= distance)
-        });
+        let low = v.to_array().map(|c| cell(c, -distance));
+        let high = v.to_array().map(|c| cell(c, distance));
+        let touched = (low[0]..=high[0])
+            .flat_map(|x| (low[1]..=high[1]).map(move |y| (x, y)))
+            .flat_map(|(x, y)| (low[2]..=high[2]).map(move |z| [x, y, z]));
+        let near = touched
+            .filter_map(|c| cells.get(&c))
+            .find_map(|group| group.iter().copied().find(|&i| v.distance(kept[i as usize]) <= distance));
         index.push(near.unwrap_or_else(|| {
             let i = kept.len() as u32;
             kept.push(v);
-            cells.entry(cell).or_default().push(i);
+            cells.entry(v.to_array().map(|c| cell(c, 0.0))).or_default().push(i);
             i
         }));
     }

@@ -135,7 +135,7 @@ fn surface(
         let Some(t) = a.corners(index) else { return bound };
         match cores((Core::Triangle(t), 0.0), core, pose, motion, bound) {
             Some(h) => {
-                let h = CastHit { sub_a: index, ..h };
+                let h = CastHit { sub_a: a.name(index), ..h };
                 if earlier(&best, &h) {
                     best = Some(h);
                 }

@@ -103,7 +103,7 @@ fn surface(a: &Surface, b: &Shape, core: &Core, radius: f32, pose: &Pose, max: f
             let Some(t) = a.corners(index) else { return };
             let limit = best.map_or(reach, |b| b.distance);
             if let Some(mut d) = cores((Core::Triangle(t), 0.0), (*core, radius), pose, limit) {
-                d.sub_a = index;
+                d.sub_a = a.name(index);
                 if nearer(&best, &d) {
                     best = Some(d);
                 }

@@ -144,10 +144,14 @@ impl Difference<'_> {
             match p.nearest() {
                 // The lower bound can only rise; if it falls, rounding tore the surface of slivers.
                 Some(f) if f.distance >= nearest.distance - tolerance => nearest = f,
-                _ => break,
+                _ => {
+                    nearest = best.0;
+                    break;
+                }
             }
         }
-        Some(p.answer(&best.0, best.1))
+        // The witness points come from the face that the origin projects into: the last nearest.
+        Some(p.answer(&nearest, best.0.normal, best.1))
     }
 
     /// Four support points that enclose the origin, starting from a simplex of any size.
@@ -231,7 +235,7 @@ fn farthest<const N: usize>(points: [Vertex; N], score: impl Fn(DVec3) -> f64) -
 }
 
 impl Polytope {
-    fn answer(&self, f: &Face, depth: f64) -> Penetration {
+    fn answer(&self, f: &Face, normal: DVec3, depth: f64) -> Penetration {
         let [i, j, k] = f.corners.map(|c| self.vertices[usize::from(c)]);
         // The origin's projection on the face, in barycentric coordinates.
         let q = f.normal * f.distance;
@@ -242,7 +246,7 @@ impl Polytope {
         let (u, v, w) = if sum > 0.0 { (u / sum, v / sum, w / sum) } else { (1.0, 0.0, 0.0) };
         let mix = |x: Vec3, y: Vec3, z: Vec3| x.as_dvec3() * u + y.as_dvec3() * v + z.as_dvec3() * w;
         Penetration {
-            normal: f.normal.as_vec3(),
+            normal: normal.as_vec3(),
             depth: clip(depth) as f32,
             a: mix(i.a, j.a, k.a).as_vec3(),
             b: mix(i.b, j.b, k.b).as_vec3(),

@@ -3,7 +3,7 @@
 mod cast;
 pub(crate) mod core;
 mod distance;
-mod epa;
+pub(crate) mod epa;
 pub(crate) mod gjk;
 mod impact;
 

@@ -11,6 +11,7 @@ use super::feature::{Convex, Corner, FlatFace, REFERENCE_LINE};
 use super::hull_hull::{Axis, separating_axis};
 use super::reduce::reduce;
 use crate::convex::core::Core;
+use crate::convex::epa::Penetration;
 use crate::convex::gjk::{Difference, Gjk, Simplex};
 use crate::{FACE_A, Manifold, ManifoldPoint, NO_SUB, PairCache};
 use jounce_math::{Pose, Vec3, scalar::f32s};
@@ -24,7 +25,10 @@ pub(crate) struct Scratch {
     pub points: Vec<ManifoldPoint>,
 }
 
-const KIND_FACE_A: u32 = 1;
+/// Above this many edge pairs EPA finds the axis faster than trying them all.
+const EDGE_PAIRS_MAX: usize = 500;
+
+pub(crate) const KIND_FACE_A: u32 = 1;
 const KIND_FACE_B: u32 = 2;
 const KIND_POINT: u32 = 3;
 
@@ -45,9 +49,24 @@ pub(crate) fn convex(
 pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut PairCache) -> Option<Axis> {
     let w = Difference { a: a.core, b: b.core, pose: *pose };
     let reach = a.radius + b.radius + margin;
+    // Polyhedra that touched last time most likely overlap now, and then GJK tells nothing.
+    if cache.kind != 0
+        && let (Some(p), Some(q)) = (a.poly(), b.poly())
+        && p.edges.len() * q.edges.len() <= EDGE_PAIRS_MAX
+    {
+        let x = separating_axis(&p, &q, pose, reach)?;
+        if x.gap <= 0.0 || x.gap > reach {
+            cache.axis = x.normal;
+            if x.gap > reach {
+                cache.kind = 0;
+            }
+            return (x.gap <= reach).then_some(x);
+        }
+    }
     let found = match w.gjk(cache.axis, reach) {
         Gjk::Far(normal) => {
             cache.axis = normal;
+            cache.kind = 0;
             return None;
         }
         Gjk::Apart { distance, a: pa, b: pb, normal } if distance > 1e-3 * (a.radius + b.radius) => {
@@ -70,7 +89,12 @@ pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut
 
 fn overlapping(a: &Convex, b: &Convex, w: &Difference, reach: f32, simplex: &Simplex) -> Option<Axis> {
     match (a.poly(), b.poly(), b.core) {
-        (Some(p), Some(q), _) => separating_axis(&p, &q, &w.pose, reach),
+        (Some(p), Some(q), _) if p.edges.len() * q.edges.len() <= EDGE_PAIRS_MAX => {
+            separating_axis(&p, &q, &w.pose, reach)
+        }
+        (Some(p), Some(q), _) => {
+            w.epa(simplex).map(Axis::from).or_else(|| separating_axis(&p, &q, &w.pose, reach))
+        }
         (Some(p), _, Core::Segment(h)) => capsule::segment_axis(&p, capsule::ends(h, &w.pose)),
         (Some(p), _, Core::Point) => {
             let q = w.pose.p;
@@ -84,10 +108,13 @@ fn overlapping(a: &Convex, b: &Convex, w: &Difference, reach: f32, simplex: &Sim
             }
             best
         }
-        _ => {
-            let e = w.epa(simplex)?;
-            Some(Axis { normal: e.normal, gap: -e.depth, a: e.a, b: e.b, feature: 0 })
-        }
+        _ => w.epa(simplex).map(Axis::from),
+    }
+}
+
+impl From<Penetration> for Axis {
+    fn from(p: Penetration) -> Self {
+        Self { normal: p.normal, gap: -p.depth, a: p.a, b: p.b, feature: 0 }
     }
 }
 

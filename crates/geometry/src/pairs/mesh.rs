@@ -2,7 +2,7 @@
 //!
 //! Each triangle near B is tested alone. A body that slides over a seam of two triangles would trip over it: seen alone,
 //! a triangle's edge can be hit from the side. So a contact normal has to be one that the surface *as a whole* can give:
-//! at an edge, a direction between the normals of its two triangles ([`SurfaceTriangle::allows`]). Others are replaced by
+//! at an edge, a direction between the normals of its two triangles (`SurfaceTriangle::allows`). Others are replaced by
 //! the contact with the triangle's face, or dropped where there is none. After that, face contacts come first, and an edge
 //! or vertex contact that lies in the plane of one takes its normal: that covers seams which the mesh does not know
 //! of, such as T-junctions. Points of nearly equal normal become one manifold of at most four.
@@ -14,7 +14,8 @@ use super::general::{self, Scratch};
 use super::one_point;
 use super::poly::TrianglePoly;
 use super::reduce::reduce;
-use super::surface::{Surface, SurfaceTriangle};
+use super::surface::{Facing, Surface};
+use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::shapes::triangle::closest_point;
 use crate::{Aabb, FACE_A, Manifold, ManifoldPoint, NO_SUB, PairCache};
@@ -29,7 +30,7 @@ const PLANE_SLOP: f32 = 0.005;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     normal: Vec3,
-    triangle_normal: Vec3,
+    facing: Facing,
     faces: u8,
     triangle: u32,
     taken: bool,
@@ -62,56 +63,71 @@ pub(crate) fn surface_convex(
     let center = pose.transform_point(b.center());
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
-        let Some(m) = triangle(&t, b, pose, margin, scratch) else { continue };
-        for p in m.points() {
-            let feature = (index.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
-            mesh.candidates.push(Candidate {
-                normal: m.normal,
-                triangle_normal: t.poly.normal(),
-                faces: m.faces,
-                triangle: index,
-                taken: false,
-                point: ManifoldPoint { feature: feature ^ feature >> 15, ..*p },
-            });
-        }
+        let Some(m) = triangle(a, &t, b, pose, margin, scratch) else { continue };
+        add(&mut mesh.candidates, &m, &t, a.name(index));
     }
-    snap_to_faces(&mut mesh.candidates, f32s::min(PLANE_SLOP, 0.05 * b.thickness()));
+    let slop = f32s::min(PLANE_SLOP, 0.05 * b.thickness());
+    snap_to_faces(&mut mesh.candidates, slop, |t| {
+        // Balls touch a face in one point, and that is found.
+        let round = matches!(b.core, Core::Point);
+        if round { None } else { face_only(t, b, pose, margin, scratch) }
+    });
     merge(mesh, cache, out);
 }
 
 /// One triangle: the contact that the whole surface allows.
 fn triangle(
-    t: &SurfaceTriangle,
+    surface: &Surface,
+    t: &Facing,
     b: &Convex,
     pose: &Pose,
     margin: f32,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    let n = t.poly.normal();
+    let n = t.normal;
     let low = pose.transform_point(b.core.support(pose.q.inverse_rotate(-n)));
-    let over = n.dot(low - t.poly.vertices[0]) - b.radius;
+    let over = n.dot(low - t.corners[0]) - b.radius;
     if over > margin {
         return None;
     }
-    if matches!(b.core, crate::convex::core::Core::Point) {
-        return sphere(t, b.radius, pose.p, margin);
+    if matches!(b.core, Core::Point) {
+        return sphere(surface, t, b.radius, pose.p, margin);
     }
+    if surface.is_gentle(t) {
+        return face_only(t, b, pose, margin, scratch);
+    }
+    let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
+    let t = surface.full(t);
     let a = Convex::triangle(t.poly);
-    let mut cache = PairCache { axis: n, ..PairCache::default() };
     let mut axis = general::axis(&a, b, pose, margin, &mut cache)?;
     if axis.normal.dot(n) < 0.0 {
         // The least push-out of a thin sheet may be through it; the body is in front, so it goes back there.
         axis = general_face_axis(&t.poly, low, b.radius + over);
     }
     let m = general::contact(&a, b, pose, margin, &axis, &mut cache, scratch)?;
-    if m.faces & FACE_A != 0 || t.allows(m.normal) {
+    let depth = |m: &Manifold| m.points().iter().fold(f32::MAX, |d, p| f32s::min(p.separation, d));
+    let up = n.dot(m.normal);
+    let allowed = t.allows(m.normal);
+    // At a border nobody knows whether the surface goes on; when in it, the face is the better guess.
+    let border = t.is_border(m.normal) && up > 0.3 && depth(&m) < 0.0;
+    if m.faces & FACE_A != 0 || (allowed && !border) {
         return Some(m);
     }
     let face = a.flat_face(n)?;
-    let flat = general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch)?;
+    let flat = general::face_contact(&a, &face, b, pose, margin, &mut cache, scratch);
     // Past a convex edge the neighbour answers; this face must not lift the body from far below.
-    let depth = |m: &Manifold| m.points().iter().fold(f32::MAX, |d, p| f32s::min(p.separation, d));
-    (n.dot(m.normal) > 0.7 || depth(&flat) > 2.0 * depth(&m) - 0.1 * b.thickness()).then_some(flat)
+    let level = |f: &Manifold| depth(f) > 2.0 * depth(&m) - 0.1 * b.thickness();
+    match flat {
+        Some(f) if (!allowed && up > 0.7) || level(&f) => Some(f),
+        _ => allowed.then_some(m),
+    }
+}
+
+/// What B shows to the face, clipped to the triangle.
+fn face_only(t: &Facing, b: &Convex, pose: &Pose, margin: f32, scratch: &mut Scratch) -> Option<Manifold> {
+    let a = Convex::triangle(TrianglePoly::new(t.corners, t.normal));
+    let face = a.flat_face(t.normal)?;
+    general::face_contact(&a, &face, b, pose, margin, &mut PairCache::default(), scratch)
 }
 
 fn general_face_axis(t: &TrianglePoly, low: Vec3, gap: f32) -> super::hull_hull::Axis {
@@ -120,15 +136,15 @@ fn general_face_axis(t: &TrianglePoly, low: Vec3, gap: f32) -> super::hull_hull:
 }
 
 /// Ball of radius `r` at `p`, in front of the triangle.
-fn sphere(t: &SurfaceTriangle, r: f32, p: Vec3, margin: f32) -> Option<Manifold> {
-    let n = t.poly.normal();
-    let near = closest_point(&t.poly.vertices, p);
+fn sphere(surface: &Surface, t: &Facing, r: f32, p: Vec3, margin: f32) -> Option<Manifold> {
+    let n = t.normal;
+    let near = closest_point(&t.corners, p);
     let d = p - near;
     let reach = r + margin;
     if d.length_squared() > reach * reach {
         return None;
     }
-    let height = n.dot(p - t.poly.vertices[0]);
+    let height = n.dot(p - t.corners[0]);
     let face = |faces| {
         let s = height - r;
         (s <= margin).then(|| one_point(n, p - n * (r + 0.5 * s), s, 0, faces))
@@ -138,7 +154,7 @@ fn sphere(t: &SurfaceTriangle, r: f32, p: Vec3, margin: f32) -> Option<Manifold>
     if cosine > 0.99999 || l < 1e-4 * r {
         return face(FACE_A);
     }
-    if !t.allows(c) {
+    if !surface.full(t).allows(c) {
         // The gap between the face and a neighbour of the same plane up to the edge's tolerance.
         return if cosine > 0.9985 { face(FACE_A) } else { None };
     }
@@ -146,28 +162,57 @@ fn sphere(t: &SurfaceTriangle, r: f32, p: Vec3, margin: f32) -> Option<Manifold>
     (s <= margin).then(|| one_point(c, near + c * (0.5 * s), s, 1, 0))
 }
 
-/// Edge and vertex contacts in the plane of a face contact take its normal.
-fn snap_to_faces(candidates: &mut [Candidate], slop: f32) {
+fn add(candidates: &mut Vec<Candidate>, m: &Manifold, t: &Facing, name: u32) {
+    for p in m.points() {
+        let feature = (name.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
+        candidates.push(Candidate {
+            normal: m.normal,
+            facing: *t,
+            faces: m.faces,
+            triangle: name,
+            taken: false,
+            point: ManifoldPoint { feature: feature ^ feature >> 15, ..*p },
+        });
+    }
+}
+
+/// Edge and vertex contacts in the plane of a face contact: where their own triangle continues that plane, its face
+/// answers instead; where they only lean a little, they take the plane's normal.
+fn snap_to_faces(
+    candidates: &mut Vec<Candidate>,
+    slop: f32,
+    mut face_only: impl FnMut(&Facing) -> Option<Manifold>,
+) {
+    let mut last = NO_SUB;
     for i in 0..candidates.len() {
-        if candidates[i].faces & FACE_A != 0 {
+        let c = candidates[i];
+        if c.faces & FACE_A != 0 {
             continue;
         }
-        let c = candidates[i];
         let surface = c.point.point - c.normal * (0.5 * c.point.separation);
         let face = candidates.iter().find(|f| {
             let on = f.point.point - f.normal * (0.5 * f.point.separation);
+            let in_plane = |p: &Vec3| f.normal.dot(*p - on).abs() <= slop;
             f.faces & FACE_A != 0
-                && f.normal.dot(surface - on).abs() <= slop
-                && (c.triangle_normal.dot(f.normal) > 0.99 || c.normal.dot(f.normal) > 0.95)
+                && (c.facing.normal.dot(f.normal) > 0.99 && c.facing.corners.iter().any(in_plane)
+                    || c.normal.dot(f.normal) > 0.95 && in_plane(&surface))
         });
-        if let Some(f) = face {
-            let normal = f.normal;
-            let separation = c.point.separation * c.normal.dot(normal);
-            let q = &mut candidates[i];
-            q.point.separation = separation;
-            q.point.point = surface + normal * (0.5 * separation);
-            q.normal = normal;
+        let Some(normal) = face.map(|f| f.normal) else { continue };
+        if c.facing.normal.dot(normal) > 0.99 {
+            candidates[i].taken = true;
+            if c.triangle != last {
+                last = c.triangle;
+                if let Some(m) = face_only(&c.facing) {
+                    add(candidates, &m, &c.facing, c.triangle);
+                }
+            }
+            continue;
         }
+        let separation = c.point.separation * c.normal.dot(normal);
+        let q = &mut candidates[i];
+        q.point.separation = separation;
+        q.point.point = surface + normal * (0.5 * separation);
+        q.normal = normal;
     }
 }
 
@@ -194,7 +239,7 @@ fn merge(mesh: &mut MeshScratch, cache: &mut PairCache, out: &mut Vec<Manifold>)
                 if c.point.separation < deepest.point.separation {
                     deepest = *c;
                 }
-                add(group, c.point);
+                group.push(c.point);
             }
             let mut m = Manifold {
                 normal: lead.normal,
@@ -203,25 +248,38 @@ fn merge(mesh: &mut MeshScratch, cache: &mut PairCache, out: &mut Vec<Manifold>)
                 sub_b: NO_SUB,
                 ..Manifold::default()
             };
+            if group.len() <= 4 {
+                drop_twins(group);
+            }
             reduce(group, &mut m, cache);
+            part_features(&mut m);
             out.push(m);
         }
     }
 }
 
-/// Adds a point; of two at one place the deeper stays. Feature ids stay unique.
-fn add(group: &mut Vec<ManifoldPoint>, mut p: ManifoldPoint) {
-    for q in group.iter_mut() {
-        if (q.point - p.point).length_squared() < 1e-8 {
-            if p.separation < q.separation {
-                q.separation = p.separation;
-                q.point = p.point;
+/// Of two points at one place the deeper stays.
+fn drop_twins(group: &mut Vec<ManifoldPoint>) {
+    let mut n = 0;
+    for i in 0..group.len() {
+        let p = group[i];
+        match group[..n].iter_mut().find(|q| (q.point - p.point).length_squared() < 1e-8) {
+            Some(q) if p.separation < q.separation => *q = p,
+            Some(_) => {}
+            None => {
+                group[n] = p;
+                n += 1;
             }
-            return;
         }
     }
-    while group.iter().any(|q| q.feature == p.feature) {
-        p.feature = p.feature.wrapping_add(1);
+    group.truncate(n);
+}
+
+/// Ids of different triangles are mixed and may, rarely, meet.
+fn part_features(m: &mut Manifold) {
+    for i in 1..usize::from(m.count) {
+        while m.points[..i].iter().any(|q| q.feature == m.points[i].feature) {
+            m.points[i].feature = m.points[i].feature.wrapping_add(1);
+        }
     }
-    group.push(p);
 }

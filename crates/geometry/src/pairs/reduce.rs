@@ -46,13 +46,20 @@ pub(crate) fn reduce(points: &[ManifoldPoint], m: &mut Manifold, cache: &mut Pai
 
 fn choose(points: &[ManifoldPoint], normal: Vec3, cache: &PairCache) -> [usize; 4] {
     let mut out = [usize::MAX; 4];
-    let keep = |p: &ManifoldPoint| if kept(cache, p.feature) { KEEP } else { 1.0 };
+    // Which were kept last time, one bit each; beyond 64 points nobody is favoured.
+    let mut mask = 0u64;
+    if cache.features != [0; 2] {
+        for (i, p) in points.iter().enumerate().take(64) {
+            mask |= u64::from(kept(cache, p.feature)) << i;
+        }
+    }
+    let keep = |i: usize| if i < 64 && mask >> i & 1 != 0 { KEEP } else { 1.0 };
     let spread = extent(points);
     // Resting faces are equally deep up to rounding; the bonus is far below any slop.
-    let first = best(points, |p| -p.separation + if keep(p) > 1.0 { spread * 1e-4 } else { 0.0 });
+    let first = best(points, |i, p| -p.separation + (keep(i) - 1.0) * spread * 2e-3);
     out[0] = first;
     let o = points[first].point;
-    let second = best(points, |p| (p.point - o).length_squared() * keep(p));
+    let second = best(points, |i, p| (p.point - o).length_squared() * keep(i));
     if second == first {
         return out;
     }
@@ -60,9 +67,9 @@ fn choose(points: &[ManifoldPoint], normal: Vec3, cache: &PairCache) -> [usize; 
     let side = normal.cross(points[second].point - o);
     let tiny = side.length() * spread * 1e-4;
     for (slot, s) in [(2, 1.0), (3, -1.0)] {
-        let area = |p: &ManifoldPoint| s * side.dot(p.point - o) * keep(p);
+        let area = |i: usize, p: &ManifoldPoint| s * side.dot(p.point - o) * keep(i);
         let i = best(points, area);
-        if area(&points[i]) > tiny {
+        if area(i, &points[i]) > tiny {
             out[slot] = i;
         }
     }
@@ -77,11 +84,11 @@ fn extent(points: &[ManifoldPoint]) -> f32 {
     (b.max - b.min).max_component()
 }
 
-fn best(points: &[ManifoldPoint], score: impl Fn(&ManifoldPoint) -> f32) -> usize {
+fn best(points: &[ManifoldPoint], score: impl Fn(usize, &ManifoldPoint) -> f32) -> usize {
     let mut at = 0;
     let mut high = f32::NEG_INFINITY;
     for (i, p) in points.iter().enumerate() {
-        let s = score(p);
+        let s = score(i, p);
         if s > high {
             (high, at) = (s, i);
         }

@@ -11,6 +11,9 @@ const CONVEX_SINE: f32 = 0.0087;
 /// Most pieces that a sweep over a height field is cut into.
 const SWEEP_STRETCHES_MAX: usize = 256;
 
+/// Ridges up to this angle (cosine; 8°) are as good as flat for bodies with faces.
+const GENTLE_COSINE: f32 = 0.990_27;
+
 /// What continues the surface across an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Across {
@@ -22,7 +25,16 @@ pub(crate) enum Across {
     Internal,
 }
 
-/// One side of one triangle, turned to the body that asks.
+/// A triangle turned to the body that asks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facing {
+    index: u32,
+    pub corners: [Vec3; 3],
+    pub normal: Vec3,
+    behind: bool,
+}
+
+/// The same with what lies across its edges.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceTriangle {
     pub poly: TrianglePoly,
@@ -123,9 +135,24 @@ impl Surface<'_> {
             Self::Mesh(m) => m.normals.get(index as usize).copied(),
             Self::HeightField(_) => {
                 let [a, b, c] = self.corners(index)?;
-                Some((b - a).cross(c - a).try_normalize()?.0)
+                // Never zero: the corners are apart in x and z.
+                let n = (b - a).cross(c - a);
+                Some(n * (1.0 / n.length()))
             }
         }
+    }
+
+    /// The triangle's number in the list that the surface was built from.
+    pub fn name(&self, index: u32) -> u32 {
+        match self {
+            Self::Mesh(m) => m.source.get(index as usize).copied().unwrap_or(index),
+            Self::HeightField(_) => index,
+        }
+    }
+
+    /// Is an edge known to be flat or concave, seen from the front?
+    fn is_internal(&self, index: u32, edge: usize) -> bool {
+        matches!(self, Self::Mesh(m) if m.edge_flags.get(index as usize).is_some_and(|f| f >> edge & 1 == 0))
     }
 
     fn neighbor(&self, index: u32, edge: usize) -> u32 {
@@ -140,40 +167,73 @@ impl Surface<'_> {
     }
 
     /// The side of a triangle that looks at `center`; `None` where that is the back of a one-sided surface.
-    pub fn facing(&self, index: u32, center: Vec3) -> Option<SurfaceTriangle> {
-        let mut v = self.corners(index)?;
-        let mut n = self.normal(index)?;
-        let behind = n.dot(center - v[0]) < 0.0;
+    pub fn facing(&self, index: u32, center: Vec3) -> Option<Facing> {
+        let mut corners = self.corners(index)?;
+        let mut normal = self.normal(index)?;
+        let behind = normal.dot(center - corners[0]) < 0.0;
         if behind {
             if !self.two_sided() {
                 return None;
             }
-            v.swap(1, 2);
-            n = -n;
+            corners.swap(1, 2);
+            normal = -normal;
         }
-        let poly = TrianglePoly::new(v, n);
-        let across = core::array::from_fn(|k| {
-            // Edges 0, 1, 2 of the turned triangle are edges 2, 1, 0 of the given one.
-            let other = self.neighbor(index, if behind { 2 - k } else { k });
-            let Some(m) = (other != NO_SUB).then(|| self.normal(other)).flatten() else {
-                return Across::Nothing;
-            };
-            let m = if behind { -m } else { m };
-            if m.dot(poly.side(k)) > CONVEX_SINE { Across::Convex(m) } else { Across::Internal }
-        });
-        Some(SurfaceTriangle { poly, across })
+        Some(Facing { index, corners, normal, behind })
+    }
+
+    /// What lies across edge `k`.
+    fn across(&self, t: &Facing, k: usize) -> Across {
+        if !t.behind && self.is_internal(t.index, k) {
+            return Across::Internal;
+        }
+        // Edges 0, 1, 2 of a turned triangle are edges 2, 1, 0 of the given one.
+        let other = self.neighbor(t.index, if t.behind { 2 - k } else { k });
+        let Some(m) = (other != NO_SUB).then(|| self.normal(other)).flatten() else {
+            return Across::Nothing;
+        };
+        let m = if t.behind { -m } else { m };
+        let edge = t.corners[(k + 1) % 3] - t.corners[k];
+        let out = edge.cross(t.normal);
+        if m.dot(out) > CONVEX_SINE * out.length() { Across::Convex(m) } else { Across::Internal }
+    }
+
+    /// Nothing sticks out at any edge by more than a gentle slope: only the face can be touched.
+    pub fn is_gentle(&self, t: &Facing) -> bool {
+        (0..3).all(|k| match self.across(t, k) {
+            Across::Internal => true,
+            Across::Convex(m) => m.dot(t.normal) > GENTLE_COSINE,
+            Across::Nothing => false,
+        })
+    }
+
+    /// With all that contacts at its edges need.
+    pub fn full(&self, t: &Facing) -> SurfaceTriangle {
+        let across = core::array::from_fn(|k| self.across(t, k));
+        SurfaceTriangle { poly: TrianglePoly::new(t.corners, t.normal), across }
     }
 }
 
 impl SurfaceTriangle {
     /// May the surface push along the unit vector `c`? Not where `c` leans over an internal edge, nor where it leans
-    /// further than the normal of the triangle across a convex one. The edges in question are those at the corner
-    /// that lies farthest along `c`, or the one edge whose both ends do.
+    /// further than the normal of the triangle across a convex one.
     pub fn allows(&self, c: Vec3) -> bool {
+        let asked = self.edges_along(c);
+        (0..3).all(|k| !asked[k] || self.allows_at(k, c))
+    }
+
+    /// Does `c` lean over a border?
+    pub fn is_border(&self, c: Vec3) -> bool {
+        let asked = self.edges_along(c);
+        (0..3).any(|k| asked[k] && self.across[k] == Across::Nothing)
+    }
+
+    /// The edges that can be touched along `c`: those at the corner that lies farthest along it, or the one edge whose
+    /// both ends do.
+    fn edges_along(&self, c: Vec3) -> [bool; 3] {
         let n = self.poly.normal();
         let lean = c - n * c.dot(n);
         if lean.length_squared() < 1e-8 {
-            return true;
+            return [false; 3];
         }
         let v = self.poly.vertices;
         let s = [0.0, lean.dot(v[1] - v[0]), lean.dot(v[2] - v[0])];
@@ -181,12 +241,9 @@ impl SurfaceTriangle {
         let bottom = Vec3::from_array(s).min_component();
         let on = s.map(|x| top - x <= 0.01 * (top - bottom));
         let edge = (0..3).find(|&k| on[k] && on[(k + 1) % 3]);
-        (0..3).all(|k| {
-            let asked = match edge {
-                Some(e) => k == e,
-                None => on[k] || on[(k + 1) % 3],
-            };
-            !asked || self.allows_at(k, c)
+        core::array::from_fn(|k| match edge {
+            Some(e) => k == e,
+            None => on[k] || on[(k + 1) % 3],
         })
     }
 

@@ -56,7 +56,8 @@ impl Compound {
             .children
             .iter()
             .filter_map(|(pose, shape)| {
-                let m = shape.mass_properties(density)?;
+                // At density 1: the centre must not depend on the density, not even where that is 0.
+                let m = shape.mass_properties(1.0)?;
                 let r = pose.q.as_dquat().normalize().to_mat3();
                 let center = pose.p.as_dvec3() + r * m.center.as_dvec3();
                 Some((f64::from(m.mass), center, r * m.inertia.as_dmat3() * r.transpose()))
@@ -70,7 +71,8 @@ impl Compound {
             let steiner = DMat3::from_diagonal(DVec3::splat(d.length_squared())) - DMat3::outer(d, d);
             s + i + steiner.scale(m)
         });
-        MassProperties::from_f64(mass, center, inertia)
+        let rho = f64::from(density);
+        MassProperties::from_f64(mass * rho, center, inertia.scale(rho))
     }
     pub(super) fn inner_radius(&self) -> f32 {
         self.children.iter().fold(f32::MAX, |m, (_, s)| f32s::min(s.inner_radius(), m))

@@ -290,6 +290,10 @@ impl HeightField {
         let mut best: Option<(f32, u32, Vec3, Vec3)> = None;
         self.blocks.nearest(point, f32::INFINITY, |b, mut bound| {
             for (index, t) in self.block(b as usize) {
+                let bounds = Aabb::from_points(t);
+                if (point.clamp(bounds.min, bounds.max) - point).length_squared() > bound {
+                    continue;
+                }
                 let q = triangle::closest_point(&t, point);
                 let d2 = (point - q).length_squared();
                 if best.is_none_or(|(s, k, ..)| d2 < s || (d2 == s && index < k)) {

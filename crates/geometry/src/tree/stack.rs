@@ -34,3 +34,21 @@ impl<T: Copy> Stack<T> {
         Some(self.fixed[self.len])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn last_in_first_out_far_beyond_the_fixed_part() {
+        let mut s = Stack::new(0);
+        for round in 0..3 {
+            (0..200).for_each(|i| s.push(i + round));
+            (100..200).rev().for_each(|i| assert_eq!(s.pop(), Some(i + round)));
+            s.push(7);
+            assert_eq!(s.pop(), Some(7));
+            (0..100).rev().for_each(|i| assert_eq!(s.pop(), Some(i + round)));
+            assert_eq!(s.pop(), None);
+        }
+    }
+}

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use jounce_geometry::Shape;
-use jounce_math::{Pose, Quat, Vec3};
+use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 
 /// xorshift64*.
 pub struct Rng(pub u64);
@@ -86,7 +86,8 @@ pub fn gap(a: &Shape, b: &Shape, pose: &Pose, samples: usize, guesses: &[Vec3]) 
     let spiral = (0..samples).map(|i| {
         let y = 1.0 - 2.0 * (i as f32 + 0.5) / samples as f32;
         let r = (1.0 - y * y).sqrt();
-        let (s, c) = (golden * i as f32).sin_cos();
+        let turn = golden * i as f32;
+        let (s, c) = (f32s::sin(turn), f32s::cos(turn));
         Vec3::new(r * c, y, r * s)
     });
     for n in spiral.chain(guesses.iter().copied()) {
@@ -101,7 +102,8 @@ pub fn gap(a: &Shape, b: &Shape, pose: &Pose, samples: usize, guesses: &[Vec3]) 
             let (u, v) = n.orthonormal_basis();
             let mut improved = false;
             for k in 0..8 {
-                let (s, c) = (std::f32::consts::FRAC_PI_4 * k as f32).sin_cos();
+                let turn = std::f32::consts::FRAC_PI_4 * k as f32;
+                let (s, c) = (f32s::sin(turn), f32s::cos(turn));
                 let m = (n + (u * c + v * s) * step).normalize_or(n);
                 let h = gap_along(a, b, pose, m);
                 if h > g {

@@ -1,0 +1,252 @@
+//! Probes: numbers of a running world.
+
+use crate::bodies::{Group, Target};
+use crate::plan::{BodyValue, Look, WorldValue};
+use crate::spec::{AggregateSpec, EventSpec};
+use jounce::math::{DVec3, Vec3, WorldPose};
+use jounce::{BodyId, Event, ShapeId, World};
+use std::collections::BTreeMap;
+
+/// What a scene knows of a body that the engine does not.
+#[derive(Clone, Debug)]
+pub(crate) struct Record {
+    id: BodyId,
+    pub color: [f32; 3],
+    start: WorldPose,
+    /// Indices into the names, and the copy under each.
+    names: [Option<(usize, usize)>; 2],
+}
+
+/// Bodies by slot and by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Records {
+    slots: Vec<Option<Record>>,
+    index: BTreeMap<String, usize>,
+    bodies: Vec<Vec<BodyId>>,
+}
+
+impl Records {
+    pub(crate) fn add(
+        &mut self,
+        g: &Group,
+        n: usize,
+        made: usize,
+        id: BodyId,
+        color: [f32; 3],
+        start: WorldPose,
+    ) {
+        let own = g.template(n).desc.name.as_ref().filter(|t| Some(*t) != g.name.as_ref());
+        let copies = g.templates.len();
+        let named =
+            [g.name.as_ref().map(|name| (name, made + n)), own.map(|name| (name, (made + n) / copies))];
+        let names = named.map(|entry| entry.map(|(name, copy)| (self.name(name, copy, id), copy)));
+        let slot = id.index() as usize;
+        if self.slots.len() <= slot {
+            self.slots.resize_with(slot + 1, || None);
+        }
+        self.slots[slot] = Some(Record { id, color, start, names });
+    }
+
+    fn name(&mut self, name: &str, copy: usize, id: BodyId) -> usize {
+        let n = match self.index.get(name) {
+            Some(&n) => n,
+            None => {
+                self.bodies.push(Vec::new());
+                self.index.insert(name.into(), self.bodies.len() - 1);
+                self.bodies.len() - 1
+            }
+        };
+        // Copies come in order, so a name's bodies stand at their numbers.
+        debug_assert_eq!(self.bodies[n].len(), copy);
+        self.bodies[n].push(id);
+        n
+    }
+
+    pub(crate) fn get(&self, id: BodyId) -> Option<&Record> {
+        self.slots.get(id.index() as usize)?.as_ref().filter(|r| r.id == id)
+    }
+
+    /// The bodies of a target that were made so far; some may be removed by now.
+    pub(crate) fn of(&self, target: &Target) -> &[BodyId] {
+        let Some(all) = self.index.get(&target.name).map(|&n| self.bodies[n].as_slice()) else { return &[] };
+        match target.index {
+            None => all,
+            Some(i) => all.get(i..=i).unwrap_or(&[]),
+        }
+    }
+
+    pub(crate) fn by_text(&self, text: &str) -> Option<BodyId> {
+        let (name, index) = match text.strip_suffix(']').and_then(|t| t.split_once('[')) {
+            Some((name, n)) => (name, n.parse().ok()?),
+            None => (text, 0),
+        };
+        self.bodies.get(*self.index.get(name)?)?.get(index).copied()
+    }
+
+    fn is_of(&self, id: BodyId, target: &Target) -> bool {
+        let Some(wanted) = self.index.get(&target.name) else { return false };
+        let mut names = self.get(id).into_iter().flat_map(|r| r.names.iter().flatten());
+        names.any(|(n, copy)| n == wanted && target.index.is_none_or(|i| i == *copy))
+    }
+}
+
+/// Events counted for probes since the start.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct EventCounts {
+    /// By probe; 0 for probes of other kinds.
+    counts: Vec<u64>,
+    /// Are there probes to count for?
+    any: bool,
+}
+
+impl EventCounts {
+    pub(crate) fn new(probes: &[(String, Look)]) -> Self {
+        let any = probes.iter().any(|(_, l)| matches!(l, Look::Events { .. }));
+        Self { counts: vec![0; probes.len()], any }
+    }
+
+    /// Takes in the world's events from number `from` on.
+    pub(crate) fn add(&mut self, probes: &[(String, Look)], records: &Records, world: &World, from: usize) {
+        if !self.any {
+            return;
+        }
+        for e in world.events().iter().skip(from) {
+            for (count, (_, look)) in self.counts.iter_mut().zip(probes) {
+                let Look::Events { kind, target } = look else { continue };
+                let counted =
+                    is_kind(e, *kind) && target.as_ref().is_none_or(|t| concerns(e, t, records, world));
+                *count += u64::from(counted);
+            }
+        }
+    }
+}
+
+fn is_kind(e: &Event, kind: EventSpec) -> bool {
+    matches!(
+        (e, kind),
+        (Event::ContactBegin { .. }, EventSpec::ContactBegin)
+            | (Event::ContactEnd { .. }, EventSpec::ContactEnd)
+            | (Event::ContactHit { .. }, EventSpec::ContactHit)
+            | (Event::SensorEnter { .. }, EventSpec::SensorEnter)
+            | (Event::SensorLeave { .. }, EventSpec::SensorLeave)
+            | (Event::Sleep { .. }, EventSpec::Sleep)
+            | (Event::Wake { .. }, EventSpec::Wake)
+            | (Event::Quarantine { .. }, EventSpec::Quarantine)
+            | (Event::LimitReached { .. }, EventSpec::LimitReached)
+    )
+}
+
+/// Is a body of the target part of the event? Shapes removed since then belong to nobody.
+fn concerns(e: &Event, target: &Target, records: &Records, world: &World) -> bool {
+    let body = |b: &BodyId| records.is_of(*b, target);
+    let shape = |s: &ShapeId| world.shape(*s).is_ok_and(|r| body(&r.body()));
+    match e {
+        Event::ContactBegin { a, b } | Event::ContactEnd { a, b } | Event::ContactHit { a, b, .. } => {
+            shape(a) || shape(b)
+        }
+        Event::SensorEnter { sensor, visitor } | Event::SensorLeave { sensor, visitor } => {
+            shape(sensor) || shape(visitor)
+        }
+        Event::Sleep { body: b } | Event::Wake { body: b } | Event::Quarantine { body: b } => body(b),
+        _ => false,
+    }
+}
+
+/// The number that probe `n` shows now; NaN where its body is not there.
+pub(crate) fn evaluate(look: &Look, n: usize, world: &World, records: &Records, counts: &EventCounts) -> f64 {
+    match look {
+        Look::World(v) => of_world(*v, world),
+        Look::Events { .. } => counts.counts.get(n).map_or(f64::NAN, |c| *c as f64),
+        Look::Sensor(target) => records.of(target).iter().map(|b| visitors(world, *b)).sum::<usize>() as f64,
+        Look::Body { target, value, aggregate } => {
+            let numbers = records.of(target).iter().map(|b| of_body(*value, *b, world, records));
+            fold(numbers.filter(|x| x.is_finite()), *aggregate)
+        }
+    }
+}
+
+fn fold(mut numbers: impl Iterator<Item = f64>, aggregate: Option<AggregateSpec>) -> f64 {
+    let Some(aggregate) = aggregate else { return numbers.next().unwrap_or(f64::NAN) };
+    let (mut n, mut sum, mut low, mut high, mut counted) =
+        (0u64, 0.0, f64::INFINITY, f64::NEG_INFINITY, 0u64);
+    for x in numbers {
+        n += 1;
+        sum += x;
+        low = if x < low { x } else { low };
+        high = if x > high { x } else { high };
+        counted += u64::from(match aggregate {
+            AggregateSpec::CountBelow(limit) => x < limit,
+            AggregateSpec::CountAbove(limit) => x > limit,
+            _ => false,
+        });
+    }
+    match aggregate {
+        AggregateSpec::CountBelow(_) | AggregateSpec::CountAbove(_) => counted as f64,
+        AggregateSpec::Sum => sum,
+        _ if n == 0 => f64::NAN,
+        AggregateSpec::Min => low,
+        AggregateSpec::Max => high,
+        AggregateSpec::Mean => sum / n as f64,
+        AggregateSpec::Spread => high - low,
+    }
+}
+
+fn visitors(world: &World, body: BodyId) -> usize {
+    let Ok(b) = world.body(body) else { return 0 };
+    b.shapes().filter_map(|s| world.shape(s).ok()).map(|s| s.visitors().count()).sum()
+}
+
+fn of_world(v: WorldValue, world: &World) -> f64 {
+    match v {
+        WorldValue::Momentum(k) => world.momentum().linear.to_array()[k],
+        WorldValue::AngularMomentum(k) => world.momentum().angular.to_array()[k],
+        WorldValue::Energy => world.energy().total(),
+        WorldValue::KineticEnergy => world.energy().kinetic,
+        WorldValue::PotentialEnergy => world.energy().potential,
+        WorldValue::Bodies => world.counts().bodies as f64,
+        WorldValue::Awake => world.counts().awake as f64,
+        WorldValue::Shapes => world.counts().shapes as f64,
+        WorldValue::Contacts => world.counts().contacts as f64,
+        WorldValue::Touching => world.counts().touching as f64,
+    }
+}
+
+/// Against gravity; y where there is none.
+fn up(world: &World) -> DVec3 {
+    let g = world.gravity().as_dvec3();
+    let l = g.length();
+    if l > 0.0 { g * (-1.0 / l) } else { DVec3::Y }
+}
+
+fn of_body(v: BodyValue, id: BodyId, world: &World, records: &Records) -> f64 {
+    let (Ok(b), Some(record)) = (world.body(id), records.get(id)) else { return f64::NAN };
+    let axis = |v: Vec3, k: usize| f64::from(v.to_array()[k]);
+    let kinetic = || b.kinetic_energy();
+    let potential =
+        || -f64::from(b.mass() * b.gravity_scale()) * world.gravity().as_dvec3().dot(b.center_of_mass());
+    match v {
+        BodyValue::Position(k) => b.position().to_array()[k],
+        BodyValue::Center(k) => b.center_of_mass().to_array()[k],
+        BodyValue::Velocity(k) => axis(b.velocity(), k),
+        BodyValue::AngularVelocity(k) => axis(b.angular_velocity(), k),
+        BodyValue::Momentum(k) => f64::from(b.mass()) * axis(b.velocity(), k),
+        BodyValue::Speed => b.velocity().as_dvec3().length(),
+        BodyValue::AngularSpeed => b.angular_velocity().as_dvec3().length(),
+        BodyValue::Height => b.position().dot(up(world)),
+        BodyValue::Tilt => {
+            let y = b.rotation().rotate(Vec3::Y).as_dvec3().dot(up(world));
+            degrees(jounce::math::scalar::f64s::acos(jounce::math::scalar::f64s::clamp(y, -1.0, 1.0)))
+        }
+        BodyValue::Angle => degrees(f64::from((b.rotation() * record.start.q.conjugate()).angle())),
+        BodyValue::Distance => (b.position() - record.start.p).length(),
+        BodyValue::KineticEnergy => kinetic(),
+        BodyValue::PotentialEnergy => potential(),
+        BodyValue::Energy => kinetic() + potential(),
+        BodyValue::Mass => f64::from(b.mass()),
+        BodyValue::Awake => f64::from(u8::from(b.is_awake())),
+    }
+}
+
+fn degrees(radians: f64) -> f64 {
+    radians * (180.0 / core::f64::consts::PI)
+}

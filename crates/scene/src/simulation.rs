@@ -1,0 +1,332 @@
+//! A scene in motion: bodies spawned, timed actions carried out, probes sampled, expectations judged. The clock that
+//! times the steps is read here, outside the engine.
+
+use crate::bodies::{Group, Target};
+use crate::error::SceneError;
+use crate::load::Scene;
+use crate::plan::{Action, Look, Push, step_at};
+use crate::probe::{EventCounts, Records, evaluate};
+use crate::report::{Judge, Report, StepTimes};
+use crate::samples::Samples;
+use jounce::math::{Quat, Vec3, WorldPose};
+use jounce::tasks::Tasks;
+use jounce::{BodyId, Command, World};
+use std::time::Instant;
+
+/// A running scene.
+///
+/// ```no_run
+/// use jounce_scene::{LoadOptions, Scene, Simulation};
+/// # fn main() -> Result<(), jounce_scene::SceneError> {
+/// let scene = Scene::load("scenes/tower.json", &LoadOptions::default())?;
+/// let mut simulation = Simulation::new(&scene, jounce::tasks::Tasks::serial())?;
+/// for _ in 0..simulation.steps_for(scene.seconds()) {
+///     simulation.step()?;
+/// }
+/// let report = simulation.finish();
+/// assert!(report.expectations.iter().all(|e| e.pass));
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct Simulation {
+    scene: Scene,
+    world: World,
+    records: Records,
+    counts: EventCounts,
+    /// Timed actions by step, entry and occurrence, in the order they act.
+    due: Vec<Due>,
+    next: usize,
+    active: Vec<Active>,
+    values: Vec<f64>,
+    samples: Samples,
+    judges: Vec<Judge>,
+    times: StepTimes,
+    start_energy: f64,
+    palette: usize,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Due {
+    step: u64,
+    entry: usize,
+    occurrence: u64,
+}
+
+/// Something that goes on for several steps.
+#[derive(Clone)]
+enum Active {
+    Push { until: u64, target: Target, push: Push },
+    Move { from_step: u64, until: u64, body: BodyId, from: WorldPose, to: WorldPose },
+}
+
+impl Simulation {
+    /// Spawns the scene's bodies into a world that steps on `tasks`.
+    ///
+    /// # Errors
+    /// [`SceneError::Run`] where the engine refuses a body.
+    pub fn new(scene: &Scene, tasks: Tasks) -> Result<Self, SceneError> {
+        let refused = |e: jounce::Error| SceneError::Run {
+            scene: scene.name.clone(),
+            time: 0.0,
+            message: e.to_string(),
+        };
+        let mut world = World::new(scene.world.clone()).map_err(refused)?;
+        world.set_tasks(tasks);
+        let names = scene.probes.iter().map(|(n, _)| n.clone()).collect();
+        let mut s = Self {
+            world,
+            records: Records::default(),
+            counts: EventCounts::new(&scene.probes),
+            due: due(scene),
+            next: 0,
+            active: Vec::new(),
+            values: Vec::new(),
+            samples: Samples::new(names),
+            judges: scene
+                .expects
+                .iter()
+                .zip(&scene.spec.expect)
+                .map(|(e, spec)| Judge::new(e, spec))
+                .collect(),
+            times: StepTimes::default(),
+            start_energy: 0.0,
+            palette: 0,
+            scene: scene.clone(),
+        };
+        let groups = std::mem::take(&mut s.scene.groups);
+        let spawned = groups.iter().try_for_each(|g| s.spawn(g, 0));
+        s.scene.groups = groups;
+        spawned?;
+        s.start_energy = s.world.energy().total();
+        s.sample();
+        Ok(s)
+    }
+
+    /// Number of steps that a time takes.
+    pub fn steps_for(&self, seconds: f64) -> u64 {
+        step_at(seconds, self.scene.world.rate_hz)
+    }
+
+    /// One step: timed actions that are due, the engine's step, probes, expectations.
+    ///
+    /// # Errors
+    /// [`SceneError::Run`] where the engine refuses a timed action or the step.
+    pub fn step(&mut self) -> Result<(), SceneError> {
+        // What an action causes at once (a contact that ends by a removal) is in the list before the step.
+        let seen = self.world.events().len();
+        self.act()?;
+        self.counts.add(&self.scene.probes, &self.records, &self.world, seen);
+        let start = Instant::now();
+        let stepped = self.world.step();
+        self.times.add(start.elapsed().as_secs_f64() * 1e3);
+        stepped.map_err(|e| self.refused(&e))?;
+        self.counts.add(&self.scene.probes, &self.records, &self.world, 0);
+        self.sample();
+        Ok(())
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The engine's world.
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// The engine's world, for callers that add to a scene.
+    pub fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    /// Probes over time.
+    pub fn samples(&self) -> &Samples {
+        &self.samples
+    }
+
+    /// The last number of each probe, in the order of the file; NaN while its body is not there.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// A body by `name` or `name[n]`; of several, the first.
+    pub fn body(&self, name: &str) -> Option<BodyId> {
+        self.records.by_text(name)
+    }
+
+    /// Colour of a body in pictures: red, green, blue in 0…1 (sRGB). Given in the scene, or from a fixed palette in
+    /// the order of creation; grey for fixed bodies.
+    pub fn color(&self, body: BodyId) -> [f32; 3] {
+        self.records.get(body).map_or([0.7; 3], |r| r.color)
+    }
+
+    /// The report of the run so far.
+    pub fn finish(&self) -> Report {
+        Report::new(&self.scene, &self.world, &self.times, self.start_energy, &self.judges)
+    }
+
+    fn refused(&self, e: &jounce::Error) -> SceneError {
+        SceneError::Run { scene: self.scene.name.clone(), time: self.world.time(), message: e.to_string() }
+    }
+
+    fn spawn(&mut self, g: &Group, made: usize) -> Result<(), SceneError> {
+        let family = self.palette;
+        self.palette += g.templates.len();
+        for n in 0..g.len() {
+            let desc = g.body(n, made);
+            let (kind, position, rotation) = (desc.kind, desc.position, desc.rotation);
+            let id = self.world.add_body(desc).map_err(|e| self.refused(&e))?;
+            let shade = family + n % g.templates.len() + if g.single { 0 } else { n / g.templates.len() };
+            let color = g.template(n).color.unwrap_or_else(|| crate::color::of(kind, shade));
+            self.records.add(g, n, made, id, color, WorldPose::new(position, rotation));
+        }
+        Ok(())
+    }
+
+    /// Carries out what is due and what goes on.
+    fn act(&mut self) -> Result<(), SceneError> {
+        let now = self.world.step_count();
+        while let Some(due) = self.due.get(self.next).copied().filter(|d| d.step <= now) {
+            self.next += 1;
+            // The timeline is moved out for the call and back: an action needs the whole simulation.
+            let timeline = std::mem::take(&mut self.scene.timeline);
+            let done =
+                timeline.get(due.entry).map_or(Ok(()), |e| self.action(&e.action, due.occurrence, now));
+            self.scene.timeline = timeline;
+            done?;
+        }
+        self.go_on(now)
+    }
+
+    fn action(&mut self, action: &Action, occurrence: u64, now: u64) -> Result<(), SceneError> {
+        let steps = |duration: f64| step_at(duration, self.scene.world.rate_hz).max(1);
+        match action {
+            Action::Spawn(groups) => {
+                groups.iter().try_for_each(|g| self.spawn(g, occurrence as usize * g.len()))
+            }
+            Action::Push { target, push, duration } => {
+                let until = now + steps(*duration);
+                if push.force.is_some() || push.torque.is_some() {
+                    self.active.push(Active::Push { until, target: target.clone(), push: *push });
+                }
+                let impulse = push.impulse.map(|j| move |b| Command::AddImpulse(b, j, push.at));
+                if let Some(impulse) = impulse {
+                    self.each(target, impulse)?;
+                }
+                push.angular_impulse
+                    .map_or(Ok(()), |l| self.each(target, |b| Command::AddAngularImpulse(b, l)))
+            }
+            Action::SetVelocity { target, velocity, angular_velocity } => {
+                velocity.map_or(Ok(()), |v| self.each(target, |b| Command::SetVelocity(b, v)))?;
+                angular_velocity.map_or(Ok(()), |w| self.each(target, |b| Command::SetAngularVelocity(b, w)))
+            }
+            Action::Remove(target) => self.each(target, Command::RemoveBody),
+            Action::Teleport { target, position, rotation } => {
+                for (body, pose) in self.poses(target) {
+                    let (p, q) = (position.unwrap_or(pose.p), rotation.unwrap_or(pose.q));
+                    self.apply(Command::Teleport(body, p, q))?;
+                }
+                Ok(())
+            }
+            Action::MoveTo { target, position, rotation, duration } => {
+                let until = now + steps(*duration);
+                for (body, from) in self.poses(target) {
+                    let to = WorldPose::new(position.unwrap_or(from.p), rotation.unwrap_or(from.q));
+                    self.active.push(Active::Move { from_step: now, until, body, from, to });
+                }
+                Ok(())
+            }
+            Action::SetGravity(g) => self.apply(Command::SetGravity(*g)),
+            Action::Wake(target) => self.each(target, Command::Wake),
+            Action::Sleep(target) => self.each(target, Command::Sleep),
+            Action::Enable(target, on) => self.each(target, |b| Command::SetBodyEnabled(b, *on)),
+        }
+    }
+
+    fn go_on(&mut self, now: u64) -> Result<(), SceneError> {
+        let mut active = std::mem::take(&mut self.active);
+        active.retain(|a| match a {
+            Active::Push { until, .. } => *until > now,
+            // A body removed on the way ends its way.
+            Active::Move { until, body, .. } => *until > now && self.world.body(*body).is_ok(),
+        });
+        let done = active.iter().try_for_each(|a| match a {
+            Active::Push { target, push, .. } => {
+                push.force.map_or(Ok(()), |f| self.each(target, |b| Command::AddForce(b, f, push.at)))?;
+                push.torque.map_or(Ok(()), |t| self.each(target, |b| Command::AddTorque(b, t)))
+            }
+            Active::Move { from_step, until, body, from, to } => {
+                let part = (now + 1 - from_step) as f64 / (until - from_step) as f64;
+                let pose = between(from, to, part);
+                self.apply(Command::MoveTo(*body, pose.p, pose.q))
+            }
+        });
+        self.active = active;
+        done
+    }
+
+    /// Bodies of a target that are still there, with their poses.
+    fn poses(&self, target: &Target) -> Vec<(BodyId, WorldPose)> {
+        let there = |b: &BodyId| self.world.body(*b).ok().map(|r| (*b, r.pose()));
+        self.records.of(target).iter().filter_map(there).collect()
+    }
+
+    /// Applies a command to every body of a target that is still there.
+    fn each(&mut self, target: &Target, command: impl Fn(BodyId) -> Command) -> Result<(), SceneError> {
+        let bodies: Vec<BodyId> = self.records.of(target).to_vec();
+        for b in bodies {
+            if self.world.body(b).is_ok() {
+                self.apply(command(b))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn apply(&mut self, command: Command) -> Result<(), SceneError> {
+        self.world.apply(command).map(|_| ()).map_err(|e| self.refused(&e))
+    }
+
+    fn sample(&mut self) {
+        let look = |(n, (_, look)): (usize, &(String, Look))| {
+            evaluate(look, n, &self.world, &self.records, &self.counts)
+        };
+        self.values = self.scene.probes.iter().enumerate().map(look).collect();
+        self.samples.push(self.world.step_count(), self.world.time(), &self.values);
+        let step = self.world.step_count();
+        for (judge, e) in self.judges.iter_mut().zip(&self.scene.expects) {
+            if e.from <= step && step <= e.at {
+                judge.see(self.values[e.probe], step == e.at);
+            }
+        }
+    }
+}
+
+/// The timeline by steps: an action acts before the first step that starts at or after its time.
+fn due(scene: &Scene) -> Vec<Due> {
+    let mut all = Vec::new();
+    for (entry, t) in scene.timeline.iter().enumerate() {
+        for occurrence in 0..t.times {
+            let time = t.at + t.every * occurrence as f64;
+            // The small part keeps 0.1 · 60 = 6.000000000000001 at step 6.
+            let step = (time * scene.world.rate_hz - 1e-6).ceil() as u64;
+            all.push(Due { step, entry, occurrence });
+        }
+    }
+    all.sort_unstable();
+    all
+}
+
+/// The pose a part of the way, turning at a constant rate.
+fn between(from: &WorldPose, to: &WorldPose, part: f64) -> WorldPose {
+    let p = from.p + (to.p - from.p) * part;
+    let mut turn = to.q * from.q.conjugate();
+    if turn.w < 0.0 {
+        turn = Quat::new(-turn.x, -turn.y, -turn.z, -turn.w);
+    }
+    let axis: Vec3 = turn.xyz().normalize_or(Vec3::Y);
+    let q = Quat::from_axis_angle(axis, turn.angle() * part as f32) * from.q;
+    let exact = part >= 1.0;
+    WorldPose::new(if exact { to.p } else { p }, if exact { to.q } else { q.normalize() })
+}
