@@ -42,6 +42,7 @@ pub(crate) struct Scratch {
     pub keys: Vec<u64>,
     pub ends: Vec<u32>,
     pub parent: Vec<u32>,
+    pub loads: Vec<(f32, jounce_math::Vec3)>,
 }
 
 impl Scratch {

@@ -1,6 +1,7 @@
 //! Colours the manifolds and fills the solver's rows.
 
 use super::Step;
+use crate::room::contacts::load;
 use crate::room::contacts::prepare::{Prepare, Speeds, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::desc::BodyKind;
@@ -11,6 +12,7 @@ use jounce_tasks::{ColorSets, Row};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     color(world);
+    raise_squeezed(world, step);
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
     blocks.resize_with(ColorSets::COLORS + 1, Vec::new);
     for (color, list) in blocks.iter_mut().enumerate() {
@@ -26,6 +28,16 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         });
     }
     world.scratch.blocks = blocks;
+}
+
+fn raise_squeezed(world: &mut World, step: &Step) {
+    let g = world.gravity.length();
+    let gravity = if g > 0.0 { g } else { 9.81 * world.settings.length_unit };
+    let omega = 2.0 * core::f32::consts::PI * world.settings.contact_hertz;
+    let mut sums = core::mem::take(&mut world.scratch.loads);
+    let numbers = [gravity, world.settings.slop(), omega, step.dt];
+    load::raise(&world.contacts, &world.frames, &mut world.awake, &mut sums, numbers);
+    world.scratch.loads = sums;
 }
 
 fn fill_block(world: &World, block: &mut Block, rows: &[Row], step: &Step) {

@@ -30,6 +30,7 @@
 pub mod desc;
 pub(crate) mod finish;
 pub(crate) mod impact;
+pub(crate) mod load;
 pub(crate) mod prepare;
 pub(crate) mod rows;
 pub(crate) mod solve;
