@@ -90,17 +90,20 @@ fn rays_and_closest_points_agree_with_every_triangle_in_turn() {
 #[test]
 fn no_ray_slips_between_triangles() {
     let (v, t) = ground(16);
-    let shape = Shape::Mesh(mesh(&v, &t).into());
+    let turned: Vec<[u32; 3]> = t.iter().map(|t| [t[0], t[2], t[1]]).collect();
+    let shapes = [t, turned].map(|t| Shape::Mesh(mesh(&v, &t).into()));
     let mut r = Rng(9);
-    for _ in 0..4000 {
+    for shape in (0..4000).map(|k| &shapes[k % 2]) {
         let (i, j) = (1 + r.next() as u32 % 15, 1 + r.next() as u32 % 15);
         let a = v[(j * 17 + i) as usize];
         let b = v[(j * 17 + i + [1, 17, 18, 0][r.next() as usize % 4]) as usize];
         let target = a.lerp(b, r.unit());
         let o = target + Vec3::new(r.unit() - 0.5, 3.0, r.unit() - 0.5);
         assert!(shape.ray_cast(o, target - o, 2.0).is_some(), "{o:?} {target:?}");
-        let up = Vec3::new(target.x, 5.0, target.z);
-        assert!(shape.ray_cast(up, -Vec3::Y, 10.0).is_some());
+        for side in [5.0, -5.0] {
+            let o = Vec3::new(target.x, side, target.z);
+            assert!(shape.ray_cast(o, Vec3::Y * -side, 2.0).is_some(), "{o:?}");
+        }
     }
 }
 

@@ -87,7 +87,7 @@ const SUN: Vec3 = Vec3::new(2.9, 2.6, 2.15);
 const SKY_LIGHT: Vec3 = Vec3::new(0.52, 0.66, 0.92);
 const GROUND_LIGHT: Vec3 = Vec3::new(0.36, 0.33, 0.30);
 const ZENITH: Vec3 = Vec3::new(0.10, 0.30, 0.85);
-const HORIZON: Vec3 = Vec3::new(0.88, 1.10, 1.42);
+const HORIZON: Vec3 = Vec3::new(0.74, 1.04, 1.50);
 
 /// A point to shade.
 pub(crate) struct Spot {
@@ -155,7 +155,10 @@ impl Look {
             let x = x * self.exposure * 0.46;
             f32s::clamp(x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14), 0.0, 1.0)
         };
-        Vec3::new(f(c.x), f(c.y), f(c.z))
+        let c = Vec3::new(f(c.x), f(c.y), f(c.z));
+        // The curve bleaches bright colours: some of their saturation is given back.
+        let grey = c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        (Vec3::splat(grey) + (c - Vec3::splat(grey)) * 1.18).clamp(Vec3::ZERO, Vec3::ONE)
     }
 }
 

@@ -181,7 +181,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
             light_samples: options.light_samples,
             edge_samples: options.edge_samples,
             reach: choose(look.openness_reach, f32s::clamp(focus * 0.09, 0.05, 4.0)),
-            haze: choose(look.haze_distance, f32s::max(focus * 6.0, 1.0)),
+            haze: choose(look.haze_distance, f32s::max(focus * 8.0, 1.0)),
             far: f32s::max(focus * 150.0, 100.0),
             spiral,
             sun_basis: look.sun.orthonormal_basis(),

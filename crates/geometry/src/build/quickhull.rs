@@ -168,6 +168,7 @@ impl QuickHull {
 
     fn push_face(&mut self, v: [u32; 3], adj: [u32; 3]) {
         let n = cross(&self.grid, v[0], v[1], v[2]);
+        debug_assert!(n != [0; 3], "a face without area");
         let far = (0.0, NONE);
         self.faces.push(Face { v, adj, n, unit: unit(n), outside: Vec::new(), far, alive: true });
     }
@@ -277,7 +278,7 @@ impl QuickHull {
         }
     }
 
-    /// Is the edge between two faces exactly flat?
+    /// Depth of a point behind a face, grid steps.
     pub fn depth(&self, face: &Face, p: u32) -> f64 {
         -face.unit.dot(self.points[p as usize] - self.points[face.v[0] as usize])
     }

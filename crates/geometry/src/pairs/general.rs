@@ -151,7 +151,7 @@ pub(crate) fn contact(
     let b_first = sb > sa + 0.5 * tolerance;
     let good = |m: &Manifold| {
         let deepest = axis.gap - a.radius - b.radius;
-        m.points().iter().any(|p| p.separation <= deepest + 4.0 * tolerance)
+        m.points().iter().any(|p| p.separation <= deepest + 2.0 * tolerance)
     };
     for from_b in [b_first, !b_first] {
         let m = match (from_b, face_a, face_b) {
@@ -329,5 +329,5 @@ fn parallel_edges(
         }
     }
     let deepest = axis.gap - a.radius - b.radius;
-    (m.count == 2 && m.points().iter().any(|p| p.separation <= deepest + 4.0 * tolerance(a, b))).then_some(m)
+    (m.count == 2 && m.points().iter().any(|p| p.separation <= deepest + 2.0 * tolerance(a, b))).then_some(m)
 }

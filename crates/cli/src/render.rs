@@ -1,0 +1,202 @@
+//! `jounce render`: pictures and films of a scene.
+
+use crate::args::RenderArgs;
+use crate::error::{Done, Failure};
+use crate::output::{note, progress};
+use crate::run::{Loaded, load, say_skipped, simulate, start};
+use jounce::math::{DVec3, Quat, Vec3};
+use jounce::{BodyKind, ShapeId, World};
+use jounce_render::{
+    Camera, Film, Image, Look, Overlay, Pattern, RenderOptions, Skin, Stage, default_skin, srgb, write_whole,
+};
+use jounce_scene::{Scene, Simulation};
+use std::path::Path;
+
+pub fn render(a: &RenderArgs) -> Done {
+    let film = match a.output.extension().and_then(|e| e.to_str()).map(str::to_lowercase).as_deref() {
+        Some("png") => false,
+        Some("gif") => true,
+        _ => {
+            let name = a.output.display();
+            return Err(Failure::bad(format!("{name}: expected a name that ends in .png or .gif")));
+        }
+    };
+    let scene = match load(&a.scene, &a.common)? {
+        Loaded::Scene(scene) => scene,
+        Loaded::Skipped(why) => return say_skipped(&a.scene, &why, false),
+    };
+    let size = a.size.unwrap_or(if film { (480, 270) } else { (960, 540) });
+    let mut simulation = start(&a.scene, &scene, a.common.threads.unwrap_or(1))?;
+    let mut painter = Painter::new(&scene, &simulation, size, a.common.threads);
+    painter.caption = a.caption;
+    let fine = a.fine || !film;
+    painter.options.light_samples = if fine { 3 } else { 1 };
+    painter.options.edge_samples = if fine { 8 } else { 4 };
+    if film {
+        shoot(a, &scene, &mut simulation, &painter)
+    } else {
+        snap(a, &scene, &mut simulation, &painter)
+    }
+}
+
+fn snap(a: &RenderArgs, scene: &Scene, simulation: &mut Simulation, painter: &Painter<'_>) -> Done {
+    let count = simulation.steps_for(a.at.or(a.seconds).unwrap_or_else(|| scene.seconds()));
+    let bar = progress(count, "simulate");
+    simulate(&a.scene, simulation, count, &bar, |_| Ok(()))?;
+    bar.finish_and_clear();
+    painter.picture(simulation)?.write_png(&a.output)?;
+    note(&format!("wrote {}", a.output.display()));
+    Ok(())
+}
+
+fn shoot(a: &RenderArgs, scene: &Scene, simulation: &mut Simulation, painter: &Painter<'_>) -> Done {
+    let seconds = a.seconds.unwrap_or_else(|| scene.seconds());
+    let dt = simulation.world().dt();
+    let every = a.every.unwrap_or_else(|| ((1.0 / (a.fps.unwrap_or(15.0) * dt)).round() as u64).max(1));
+    let first = simulation.steps_for(a.at.unwrap_or(0.0));
+    simulate(&a.scene, simulation, first, &progress(first, "simulate"), |_| Ok(()))?;
+    let count = simulation.steps_for(seconds);
+    let bytes = shoot_film(&a.scene, simulation, painter, count, every)?;
+    write_whole(&a.output, &bytes)?;
+    note(&format!("wrote {} ({:.2} MB)", a.output.display(), bytes.len() as f64 / 1e6));
+    Ok(())
+}
+
+/// Most frames of one film.
+const FRAMES_MAX: u64 = 3000;
+
+/// A GIF of the next `count` steps, every `every`-th one drawn.
+pub fn shoot_film(
+    path: &Path,
+    simulation: &mut Simulation,
+    painter: &Painter<'_>,
+    count: u64,
+    every: u64,
+) -> Done<Vec<u8>> {
+    let frames = count / every;
+    if frames > FRAMES_MAX {
+        return Err(Failure::bad(format!(
+            "the film would have {frames} frames; expected at most {FRAMES_MAX}: take a larger --every or fewer --seconds"
+        )));
+    }
+    // Faster than GIF can show: every frame takes the shortest time that it can.
+    let fps = (1.0 / (every as f64 * simulation.world().dt())).clamp(0.1, 50.0);
+    let mut film = Film::new(fps)?;
+    film.push(painter.picture(simulation)?)?;
+    let bar = progress(count, "film");
+    let mut done = 0;
+    simulate(path, simulation, count, &bar, |s| {
+        done += 1;
+        // The last picture would be the first of the next round.
+        if done % every == 0 && done < count {
+            film.push(painter.picture(s)?)?;
+        }
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    Ok(film.finish()?)
+}
+
+/// Draws a scene as its `camera` and `render` keys say.
+pub struct Painter<'a> {
+    scene: &'a Scene,
+    pub options: RenderOptions,
+    camera: Camera,
+    /// Where the followed body was at the start.
+    followed: DVec3,
+    pub caption: bool,
+}
+
+impl<'a> Painter<'a> {
+    pub fn new(scene: &'a Scene, simulation: &Simulation, size: (u32, u32), threads: Option<u32>) -> Self {
+        let spec = scene.spec();
+        let mut look = Look::default();
+        if let Some(r) = &spec.render {
+            if let Some(sun) = r.sun.and_then(|s| Vec3::from_array(s).try_normalize()) {
+                look.sun = sun.0;
+            }
+            look.sun_strength = r.sun_strength.unwrap_or(1.0);
+            look.background = r.background.as_deref().and_then(hex);
+        }
+        let aspect = size.0 as f32 / size.1 as f32;
+        let camera = spec.camera.as_ref().map_or_else(
+            || Stage::camera(simulation.world(), aspect),
+            |c| Camera {
+                position: DVec3::from_array(c.position),
+                target: DVec3::from_array(c.target.unwrap_or([0.0; 3])),
+                up: Vec3::from_array(c.up.unwrap_or([0.0, 1.0, 0.0])),
+                fov_deg: c.fov_deg.unwrap_or(45.0),
+            },
+        );
+        let options = RenderOptions {
+            width: size.0,
+            height: size.1,
+            threads: threads.map_or(0, |t| t as usize),
+            look,
+            ..RenderOptions::default()
+        };
+        let mut painter = Self { scene, options, camera, followed: DVec3::ZERO, caption: false };
+        painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);
+        painter
+    }
+
+    fn follow(&self, simulation: &Simulation) -> Option<DVec3> {
+        let name = self.scene.spec().camera.as_ref()?.follow.as_deref()?;
+        let body = simulation.body(name)?;
+        Some(simulation.world().body(body).ok()?.position())
+    }
+
+    fn camera_at(&self, simulation: &Simulation) -> Camera {
+        let mut camera = self.camera;
+        if let Some(at) = self.follow(simulation) {
+            let shift = at - self.followed;
+            camera.position += shift;
+            camera.target += shift;
+        }
+        let spec = self.scene.spec().camera.as_ref();
+        if let Some(rate) = spec.and_then(|c| c.orbit_deg_per_s) {
+            let angle = f64::from(rate).to_radians() * simulation.world().time();
+            let turn = Quat::from_axis_angle(camera.up.normalize_or(Vec3::Y), angle as f32).as_dquat();
+            camera.position = camera.target + turn.rotate(camera.position - camera.target);
+        }
+        camera
+    }
+
+    /// The world as it is now.
+    pub fn picture(&self, simulation: &Simulation) -> Done<Image> {
+        let world = simulation.world();
+        let grid = self.scene.spec().render.as_ref();
+        let ground = grid.and_then(|r| r.ground_color.as_deref()).and_then(hex);
+        let plain = grid.and_then(|r| r.ground_grid) == Some(false);
+        let paint = |world: &World, shape: ShapeId| {
+            let mut skin: Skin = default_skin(world, shape);
+            let body = world.shape(shape).ok()?.body();
+            let fixed = world.body(body).ok()?.kind() == BodyKind::Fixed;
+            if fixed && plain {
+                skin.pattern = Pattern::Plain;
+            }
+            skin.color = match ground {
+                Some(color) if fixed => color,
+                _ => linear(simulation.color(body)),
+            };
+            Some(skin)
+        };
+        let stage = Stage::painted(world, &paint);
+        let mut overlay = Overlay::default();
+        if self.caption {
+            overlay.caption = Some(format!("{}   t = {:.2} s", self.scene.name(), world.time()));
+        }
+        Ok(jounce_render::render(&stage, &self.camera_at(simulation), &overlay, &self.options)?)
+    }
+}
+
+/// Display colour to linear light.
+fn linear(color: [f32; 3]) -> Vec3 {
+    let [r, g, b] = color.map(|c| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u32);
+    srgb(r << 16 | g << 8 | b)
+}
+
+/// "#rrggbb" as a linear colour.
+fn hex(text: &str) -> Option<Vec3> {
+    u32::from_str_radix(text.strip_prefix('#')?, 16).ok().map(srgb)
+}
