@@ -302,25 +302,23 @@ fn grid(r: &RepeatSpec, shapes: u64, census: &mut Census) -> Checked<Vec<Place>>
     if turn.iter().any(|a| a.abs() > 360.0) {
         return Err(Wrong::new(format!("is {turn:?}"), "within ±360 degrees").key("turn_deg"));
     }
-    let mut cells = Vec::new();
-    for k in 0..n[2] {
-        for j in 0..n[1] {
-            let there = |i: u64| match r.pyramid {
-                None => true,
-                Some(PyramidSpec::X) => i + j < n[0],
-                Some(PyramidSpec::Xz) => i + j < n[0] && k + j < n[2],
-            };
-            cells.extend((0..n[0]).filter(|&i| there(i)).map(|i| [i, j, k]));
-        }
-    }
-    census.add(cells.len() as u64, shapes).key("count")?;
-    let places = cells.iter().enumerate().map(|(m, c)| {
+    let there = |c: [u64; 3]| match r.pyramid {
+        None => true,
+        Some(PyramidSpec::X) => c[0] + c[1] < n[0],
+        Some(PyramidSpec::Xz) => c[0] + c[1] < n[0] && c[2] + c[1] < n[2],
+    };
+    // x fastest, then y, then z.
+    let cells = || {
+        (0..all.unwrap_or(0)).map(|m| [m % n[0], m / n[0] % n[1], m / (n[0] * n[1])]).filter(|c| there(*c))
+    };
+    census.add(cells().count() as u64, shapes).key("count")?;
+    let (lean_x, lean_z) = match r.pyramid {
+        None => (0.0, 0.0),
+        Some(PyramidSpec::X) => (0.5, 0.0),
+        Some(PyramidSpec::Xz) => (0.5, 0.5),
+    };
+    let places = cells().enumerate().map(|(m, c)| {
         let [i, j, k] = c.map(|x| x as f64);
-        let (lean_x, lean_z) = match r.pyramid {
-            None => (0.0, 0.0),
-            Some(PyramidSpec::X) => (0.5, 0.0),
-            Some(PyramidSpec::Xz) => (0.5, 0.5),
-        };
         let step = r.step;
         let position = DVec3::new((i + lean_x * j) * step[0], j * step[1], (k + lean_z * j) * step[2]);
         let rotation = if turn == [0.0; 3] { Quat::IDENTITY } else { euler(turn.map(|a| a * m as f32)) };
@@ -377,10 +375,12 @@ fn scattered(s: &ScatterSpec, lo: DVec3, hi: DVec3) -> Checked<Vec<Place>> {
     }
     let mut taken = Neighbors { cell: apart, apart, cells: HashMap::new() };
     let mut places = Vec::with_capacity(s.count as usize);
+    let mut draws = limits::SCATTER_TRIES_MAX + limits::SCATTER_TRIES_EACH * s.count;
     for n in 0..s.count {
         let mut random = Stream::new(s.seed, n);
         let mut position = None;
-        for _ in 0..limits::SCATTER_TRIES_MAX {
+        for _ in 0..limits::SCATTER_TRIES_MAX.min(draws) {
+            draws -= 1;
             let d = hi - lo;
             let p = lo + DVec3::new(d.x * random.unit(), d.y * random.unit(), d.z * random.unit());
             if apart == 0.0 || taken.put(p) {

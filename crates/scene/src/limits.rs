@@ -13,11 +13,11 @@ pub const JSON_VALUES_MAX: usize = 1 << 24;
 /// Longest string in a scene file, bytes.
 pub const JSON_STRING_MAX: usize = 4096;
 /// Most bodies of one scene, copies and timed spawns included.
-pub const SCENE_BODIES_MAX: u64 = 1 << 20;
+pub const SCENE_BODIES_MAX: u64 = 1 << 19;
 /// Most shapes of one scene, copies and timed spawns included.
-pub const SCENE_SHAPES_MAX: u64 = 1 << 21;
+pub const SCENE_SHAPES_MAX: u64 = 1 << 20;
 /// Most entries a timeline may expand to.
-pub const TIMELINE_MAX: u64 = 1 << 20;
+pub const TIMELINE_MAX: u64 = 1 << 19;
 /// Longest run, seconds of simulated time.
 pub const SECONDS_MAX: f64 = 1e7;
 /// Most corners of one polygon of a mesh file.
@@ -30,8 +30,12 @@ pub const MESH_GROUPS_MAX: usize = 1 << 12;
 pub const MESH_EXPANSION_BYTES: usize = 32 << 20;
 /// Most nodes of one glTF file.
 pub const GLTF_NODES_MAX: usize = 1 << 16;
-/// Draws of a scatter group before a place counts as full.
-pub const SCATTER_TRIES_MAX: u32 = 256;
+/// Draws for one place of a scatter group before the box counts as full.
+pub const SCATTER_TRIES_MAX: u64 = 256;
+/// Draws of a whole scatter group for each of its bodies, on average.
+pub const SCATTER_TRIES_EACH: u64 = 32;
+/// Most samples of all height functions of one scene.
+pub const HEIGHT_SAMPLES_MAX: usize = 1 << 22;
 /// Most rows that probes and step times keep; beyond it every second row is dropped and the stride doubles.
 pub const ROWS_MAX: usize = 1 << 18;
 /// Most bytes of all mesh files of one scene.

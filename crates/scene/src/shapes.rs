@@ -27,6 +27,8 @@ struct Loaded {
 pub(crate) struct Library {
     materials: BTreeMap<String, Material>,
     meshes: BTreeMap<String, Loaded>,
+    /// Samples that height functions may still make.
+    samples: usize,
 }
 
 /// An unknown name, with a guess.
@@ -50,7 +52,8 @@ impl Library {
         meshes: &Map<MeshFileSpec>,
         mut read: impl FnMut(&str) -> Result<MeshData, SceneError>,
     ) -> Checked<Self> {
-        let mut library = Self { materials: BTreeMap::new(), meshes: BTreeMap::new() };
+        let samples = crate::limits::HEIGHT_SAMPLES_MAX;
+        let mut library = Self { materials: BTreeMap::new(), meshes: BTreeMap::new(), samples };
         for (name, m) in &materials.0 {
             let built = material(m).key(name).key("materials")?;
             library.materials.insert(name.clone(), built);
@@ -155,7 +158,7 @@ impl Library {
             return self.mesh(x).map(Shape::Mesh);
         }
         if let Some(x) = &s.height_field {
-            return height_field(x).map(|f| Shape::HeightField(Arc::new(f)));
+            return height_field(x, &mut self.samples).map(|f| Shape::HeightField(Arc::new(f)));
         }
         if let Some(x) = &s.compound {
             let mut children = Vec::with_capacity(x.children.len());
@@ -407,11 +410,11 @@ fn material(m: &MaterialSpec) -> Checked<Material> {
     }
 }
 
-fn height_field(h: &HeightFieldSpec) -> Checked<HeightField> {
-    build_height_field(h).key("height_field")
+fn height_field(h: &HeightFieldSpec, samples: &mut usize) -> Checked<HeightField> {
+    build_height_field(h, samples).key("height_field")
 }
 
-fn build_height_field(h: &HeightFieldSpec) -> Checked<HeightField> {
+fn build_height_field(h: &HeightFieldSpec, samples: &mut usize) -> Checked<HeightField> {
     let side = |key: &str, n: u64| match usize::try_from(n) {
         Ok(n) if (2..=bounds::HEIGHT_FIELD_SIDE_MAX).contains(&n) => Ok(n),
         _ => Err(Wrong::new(format!("is {n}"), format!("2 to {}", bounds::HEIGHT_FIELD_SIDE_MAX)).key(key)),
@@ -431,7 +434,15 @@ fn build_height_field(h: &HeightFieldSpec) -> Checked<HeightField> {
             }
             list.iter().map(|y| y.unwrap_or(f32::NAN)).collect()
         }
-        (None, Some(f)) => heights_of(h, f, [columns, rows], spacing)?,
+        (None, Some(f)) => {
+            let limit =
+                || format!("at most {} samples in the scene's functions", crate::limits::HEIGHT_SAMPLES_MAX);
+            let left = samples.checked_sub(columns * rows);
+            *samples = left.ok_or_else(|| {
+                Wrong::new(format!("makes {} samples", columns * rows), limit()).key("function")
+            })?;
+            heights_of(h, f, [columns, rows], spacing)?
+        }
         _ => return Err(Wrong::new("needs heights", "exactly one of heights, function")),
     };
     HeightField::new(columns, rows, spacing, heights).map_err(|e| {

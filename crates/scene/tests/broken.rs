@@ -34,7 +34,7 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
     ("missing_mesh_file", 6, "meshes.rock.file", "there is no such file"),
     ("unknown_mesh", 6, "bodies[0].shapes[0].mesh.mesh", "there is no mesh \"level\""),
     ("dynamic_half_space", 10, "bodies[1].shapes[0]", "put it on a fixed or kinematic body"),
-    ("huge_repeat", 11, "bodies[1].repeat.count", "at most 1048576 bodies"),
+    ("huge_repeat", 11, "bodies[1].repeat.count", "at most 524288 bodies"),
     ("same_name_twice", 7, "bodies[2].name", "\"a\" is given to two bodies"),
     ("unknown_probe_body", 5, "probes.height.body", "(did you mean `ball`?)"),
     ("unknown_probe_value", 6, "probes.height.value", "(did you mean `position.y`?)"),
