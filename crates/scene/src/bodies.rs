@@ -144,6 +144,9 @@ impl Names {
         let Some(&count) = self.0.get(name) else {
             return Err(crate::shapes::unknown("body", name, self.0.keys().map(String::as_str)));
         };
+        if count == 0 {
+            return Err(Wrong::new(format!("no body is made from \"{name}\""), "a body that is there"));
+        }
         match index {
             Some(n) if n as u64 >= count => Err(Wrong::new(
                 format!("\"{text}\" is not there"),
@@ -343,6 +346,9 @@ fn jittered(r: &RepeatSpec, copy: u64, mut place: Place) -> Place {
 pub(crate) fn scatter(s: &ScatterSpec, library: &mut Library, census: &mut Census) -> Checked<Group> {
     if s.bodies.is_empty() {
         return Err(Wrong::new("is empty", "at least one template").key("bodies"));
+    }
+    if s.count == 0 {
+        return Err(Wrong::new("is 0", "1 or more").key("count"));
     }
     let shapes = s.bodies.iter().map(|b| b.shapes.len() as u64).max().unwrap_or(0);
     census.add(s.count, shapes).key("count")?;

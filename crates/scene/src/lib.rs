@@ -6,6 +6,7 @@
 
 mod bodies;
 mod color;
+mod decompose;
 mod error;
 mod json;
 pub mod limits;

@@ -1,12 +1,13 @@
 //! Shapes of a scene file into shapes of the engine.
 
+use crate::decompose::decompose;
 use crate::error::{Checked, SceneError, Under, Wrong, closest};
 use crate::mesh::MeshData;
 use crate::random::noise;
 use crate::spec::{CombineSpec, SettingsSpec};
 use crate::spec::{
-    HeightFieldSpec, HeightFunctionSpec, HullSpec, Map, MaterialSpec, MeshFileSpec, MeshSpec, ShapeSpec,
-    UpSpec,
+    DecomposeSpec, HeightFieldSpec, HeightFunctionSpec, HullSpec, Map, MaterialSpec, MeshFileSpec, MeshSpec,
+    ShapeSpec, UpSpec,
 };
 use jounce::geometry::{Compound, HeightField, Hull, Shape, TriMesh, TriMeshOptions, limits as bounds};
 use jounce::math::scalar::f64s;
@@ -29,6 +30,8 @@ pub(crate) struct Library {
     meshes: BTreeMap<String, Loaded>,
     /// Samples that height functions may still make.
     samples: usize,
+    /// Meshes cut so far.
+    parts: Vec<(DecomposeSpec, Arc<Compound>)>,
 }
 
 /// An unknown name, with a guess.
@@ -53,7 +56,8 @@ impl Library {
         mut read: impl FnMut(&str) -> Result<MeshData, SceneError>,
     ) -> Checked<Self> {
         let samples = crate::limits::HEIGHT_SAMPLES_MAX;
-        let mut library = Self { materials: BTreeMap::new(), meshes: BTreeMap::new(), samples };
+        let mut library =
+            Self { materials: BTreeMap::new(), meshes: BTreeMap::new(), samples, parts: Vec::new() };
         for (name, m) in &materials.0 {
             let built = material(m).key(name).key("materials")?;
             library.materials.insert(name.clone(), built);
@@ -167,8 +171,19 @@ impl Library {
             }
             return Ok(Shape::Compound(Arc::new(Compound::new(children)?)));
         }
-        Err(Wrong::new("convex decomposition is not built in", "a hull, or a compound of convex shapes")
-            .key("decompose"))
+        if let Some(x) = &s.decompose {
+            return self.parts(x).map(Shape::Compound).key("decompose");
+        }
+        Err(Wrong::new("the shape has no kind", "a kind"))
+    }
+
+    fn parts(&mut self, d: &DecomposeSpec) -> Checked<Arc<Compound>> {
+        if let Some((_, parts)) = self.parts.iter().find(|(known, _)| known == d) {
+            return Ok(parts.clone());
+        }
+        let parts = Arc::new(decompose(d, &self.loaded(&d.mesh).key("mesh")?.data)?);
+        self.parts.push((d.clone(), parts.clone()));
+        Ok(parts)
     }
 
     fn child(&mut self, s: &ShapeSpec) -> Checked<(Pose, Shape)> {

@@ -46,6 +46,17 @@ fn huge_counts_are_refused_before_anything_is_made() {
         "box": {{"min": [0,0,0], "max": [1,1,1]}}, "bodies": [{body}}}]}}]}}"#
     ));
     assert!(e.contains("scatter[0].count: makes 4000000000 bodies"), "{e}");
+    let none = refused(&format!(
+        r#"{{"jounce": 1, "scatter": [{{"name": "a", "count": 0, "seed": 1, "box": {{"min": [0,0,0], "max": [1,1,1]}},
+        "bodies": [{body}}}]}}], "probes": {{"p": {{"body": "a[0]", "value": "speed"}}}}}}"#
+    ));
+    assert!(none.contains("scatter[0].count: is 0"), "{none}");
+    let unused = refused(&format!(
+        r#"{{"jounce": 1, "scatter": [{{"count": 1, "seed": 1, "box": {{"min": [0,0,0], "max": [1,1,1]}},
+        "bodies": [{body}}}, {{"name": "b", {}}}]}}], "probes": {{"p": {{"body": "b[0]", "value": "speed"}}}}}}"#,
+        body.trim_start_matches('{')
+    ));
+    assert!(unused.contains("no body is made from \"b\""), "{unused}");
     let e = refused(&format!(
         r#"{{"jounce": 1, "timeline": [{{"at": 0, "every": 1, "times": 9000000000,
         "spawn": {{"bodies": [{body}}}]}}}}]}}"#

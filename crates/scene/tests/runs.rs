@@ -186,3 +186,63 @@ fn refusals_while_running_name_the_time() {
     let e = (0..60).find_map(|_| sim.step().err()).expect("a dynamic body cannot be moved");
     assert!(matches!(&e, SceneError::Run { time, .. } if (*time - 0.5).abs() < 1e-9), "{e}");
 }
+
+/// A prism with a side in the shape of an L, volume 3.
+const PRISM: &str = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nv 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\n\
+f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+
+#[test]
+fn a_concave_mesh_is_cut_into_convex_parts() {
+    let dir = std::env::temp_dir().join(format!("jounce_scene_cut_{}", std::process::id()));
+    std::fs::create_dir_all(&dir).expect("a folder");
+    std::fs::write(dir.join("l.obj"), PRISM).expect("a file");
+    let text = r#"{"jounce": 1, "seconds": 0.1, "gravity": [0, 0, 0],
+        "meshes": {"l": {"file": "l.obj"}},
+        "bodies": [{"name": "l", "type": "dynamic", "shapes": [{"decompose": {"mesh": "l"}, "density": 100}]},
+                   {"name": "h", "type": "dynamic", "position": [9, 0, 0], "shapes": [{"hull": {"mesh": "l"}, "density": 100}]}],
+        "probes": {"m": {"body": "l", "value": "mass"}, "x": {"body": "l", "value": "center.x"},
+                   "h": {"body": "h", "value": "mass"}}}"#;
+    std::fs::write(dir.join("l.json"), text).expect("a file");
+    let scene = Scene::load(dir.join("l.json"), &LoadOptions::default());
+    std::fs::remove_dir_all(&dir).expect("removed");
+    let scene = scene.unwrap_or_else(|e| panic!("{e}"));
+    let s = Simulation::new(&scene, Tasks::serial()).expect("starts");
+    // The parts may overlap and overhang by one cell of 2/64 along the cut.
+    let v = s.values();
+    assert!((v[0] / 300.0 - 1.0).abs() < 0.05, "{v:?}");
+    assert!((v[1] - 2.5 / 3.0).abs() < 0.05, "{v:?}");
+    assert!((v[2] - 350.0).abs() < 0.01, "{v:?}");
+}
+
+/// Bodies dropped into a level that other people made, on one and on three threads.
+#[test]
+fn a_shared_mesh_carries_bodies() {
+    let assets = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets");
+    let text = r#"{"jounce": 1, "seconds": 2,
+        "meshes": {"level": {"file": "assets:box3d/test_map01.obj"}, "stairs": {"file": "assets:box3d/stairs.obj"}},
+        "bodies": [{"name": "level", "type": "fixed", "shapes": [{"mesh": {"mesh": "level"}}]}],
+        "scatter": [{"name": "rain", "count": 60, "seed": 1, "box": {"min": [-6, 6, -6], "max": [6, 9, 6]}, "min_distance": 1,
+          "bodies": [{"type": "dynamic", "shapes": [{"sphere": {"radius": 0.3}}]},
+                     {"type": "dynamic", "shapes": [{"box": {"half": [0.3, 0.2, 0.4]}}]}]}],
+        "probes": {"lowest": {"body": "rain", "value": "position.y", "aggregate": "min"}}}"#;
+    let options = LoadOptions { assets };
+    let scene = match Scene::from_str(text, "test.json", &options) {
+        Err(SceneError::Skipped(why)) => {
+            eprintln!("skipped: {why}");
+            return;
+        }
+        other => other.unwrap_or_else(|e| panic!("{e}")),
+    };
+    let run = |tasks: Tasks| {
+        let mut s = Simulation::new(&scene, tasks).expect("starts");
+        for _ in 0..s.steps_for(scene.seconds()) {
+            s.step().unwrap_or_else(|e| panic!("{e}"));
+        }
+        (s.values()[0], s.finish())
+    };
+    let (lowest, report) = run(Tasks::serial());
+    // The ground's top face is at y = 0.
+    assert!(lowest > -0.05, "{lowest}");
+    assert!(report.contacts > 30, "{}", report.contacts);
+    assert_eq!(run(Tasks::pool(3)).1.hash, report.hash);
+}

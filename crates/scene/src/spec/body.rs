@@ -344,14 +344,14 @@ pub struct CompoundSpec {
 }
 
 /// A mesh cut into convex parts.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DecomposeSpec {
     /// Name of a mesh.
     pub mesh: String,
     /// Largest accepted concavity as a part of the mesh's size, 0 to 1. Default 0.01.
     pub concavity: Option<f32>,
-    /// Cells along the longest side, 8 to 256. Default 64.
+    /// Cells along the longest side, 8 to 128. Default 64.
     pub resolution: Option<u32>,
     /// Most parts, 1 to 1024. Default 64.
     pub parts_max: Option<u32>,
