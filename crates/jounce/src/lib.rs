@@ -21,6 +21,7 @@
 #![forbid(unsafe_code)]
 
 mod command;
+mod contact_info;
 mod edit;
 mod error;
 mod event;
@@ -40,12 +41,13 @@ mod view;
 mod world;
 
 pub use command::{Command, Output};
+pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
 pub use error::{Error, Result};
 pub use event::Event;
 pub use handle::{BodyId, ShapeId};
 pub use hash::StateHasher;
 pub use hooks::{ContactHook, ContactView, FilterHook, PairView};
-pub use query::{QueryFilter, Ray, RayCastHit};
+pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
 pub use room::contacts::state::Surface;
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
