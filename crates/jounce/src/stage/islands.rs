@@ -5,6 +5,7 @@ use crate::event::Event;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
+use jounce_math::Vec3;
 
 pub(crate) fn run(world: &mut World, _: &Step) {
     let mut ends = core::mem::take(&mut world.scratch.ends);
@@ -17,6 +18,12 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             continue;
         }
         if c.now_touching == c.touching {
+            if c.touching {
+                let c = &world.contacts[row];
+                wakes.extend(
+                    carried(world, c.body_a, c.body_b).or_else(|| carried(world, c.body_b, c.body_a)),
+                );
+            }
             continue;
         }
         c.touching = c.now_touching;
@@ -39,6 +46,16 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     for body in wakes {
         world.wake_body(body);
     }
+}
+
+/// A body that sleeps on a kinematic one that moves.
+fn carried(world: &World, sleeper: u32, carrier: u32) -> Option<u32> {
+    let row = world.frames[carrier as usize].row;
+    if row == NONE || world.awake.step[row as usize].kind != BodyKind::Kinematic || !asleep(world, sleeper) {
+        return None;
+    }
+    let s = &world.awake.state[row as usize];
+    (s.v() != Vec3::ZERO || s.w() != Vec3::ZERO).then_some(sleeper)
 }
 
 fn asleep(world: &World, body: u32) -> bool {

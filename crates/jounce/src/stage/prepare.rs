@@ -72,6 +72,11 @@ fn color(world: &mut World) {
             continue;
         }
         let (a, b) = (item(c.body_a), item(c.body_b));
+        // A body asleep on a kinematic one that is awake: nothing for the contact to move.
+        if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
+            c.manifolds_mut().for_each(|m| m.row.1 = NONE);
+            continue;
+        }
         for (k, m) in c.manifolds_mut().enumerate() {
             let payload = scratch.rows.len() as u32;
             scratch.rows.push((i as u32, k as u32));

@@ -39,7 +39,7 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     let shared: &World = world;
     shared.tasks.for_each(&mut contacts, CONTACTS, |_, c| {
         c.hit_speed = 0.0;
-        if !c.touching {
+        if !c.touching || c.manifold.row.1 == NONE {
             return;
         }
         let side = |body: u32| match shared.frames[body as usize].row {
