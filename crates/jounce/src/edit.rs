@@ -230,11 +230,20 @@ impl World {
         if self.frames[slot as usize].pose() == target && self.bodies[slot].row == NONE {
             return Ok(());
         }
-        self.wake_body(slot);
+        self.wake_mover(slot);
         if let Some(step) = self.step_mut(slot) {
             step.target = Some(target);
         }
         Ok(())
+    }
+
+    /// Wakes a body that is about to move; a kinematic one, which no contact stops, with all that touch it.
+    fn wake_mover(&mut self, slot: u32) {
+        if self.bodies[slot].kind == BodyKind::Kinematic {
+            self.wake_neighbours(slot);
+        } else {
+            self.wake_body(slot);
+        }
     }
 
     fn do_set_velocity(&mut self, b: BodyId, v: Option<Vec3>, w: Option<Vec3>) -> Result<()> {
@@ -249,7 +258,7 @@ impl World {
         }
         let zero = v.unwrap_or(Vec3::ZERO) == Vec3::ZERO && w.unwrap_or(Vec3::ZERO) == Vec3::ZERO;
         if !zero {
-            self.wake_body(slot);
+            self.wake_mover(slot);
         }
         let body = &mut self.bodies[slot];
         if body.row == NONE {
@@ -605,6 +614,7 @@ impl World {
         };
         self.shapes[slot].place = place;
         self.mark_moved(slot);
+        self.wake_near(slot);
     }
 
     /// Takes a shape out of its tree, with its contacts and its visits.
@@ -663,6 +673,7 @@ impl World {
                 self.shapes[s].fat = fat;
             }
             self.mark_moved(s);
+            self.wake_near(s);
         }
         self.forget_tests(body);
     }

@@ -1,9 +1,10 @@
 //! Sleeping and waking: moving rows between the awake columns and the records.
 
 use crate::event::Event;
-use crate::room::contacts::state::{Contact, ContactPlace};
+use crate::room::contacts::state::{Contact, ContactPlace, Place};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
+use crate::stage::broadphase::{may_meet, near_plane};
 use crate::table::pair_key;
 use crate::world::World;
 use jounce_math::Vec3;
@@ -167,8 +168,37 @@ impl World {
             }
         }
         self.pairs.insert(pair_key(c.shape_a, c.shape_b), id);
+        // Two bodies that were made asleep: their contact sleeps with them.
+        if self.bodies[c.body_a].row == NONE && self.bodies[c.body_b].row == NONE {
+            self.places[id as usize] = ContactPlace::Asleep(self.asleep_contacts.len() as u32);
+            self.asleep_contacts.push(c);
+            return;
+        }
         self.places[id as usize] = ContactPlace::Awake(self.contacts.len() as u32);
         self.contacts.push(c);
+    }
+
+    /// Wakes sleeping bodies within reach of a fixed shape that was just put there: nobody else would notice.
+    pub(crate) fn wake_near(&mut self, shape: u32) {
+        if self.islands.len() == 0 || self.bodies[self.shapes[shape].body].kind != BodyKind::Fixed {
+            return;
+        }
+        let mut near = Vec::new();
+        if self.shapes[shape].place == Place::Unbounded {
+            let moving = self.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_)));
+            near.extend(moving.map(|(i, _)| i).filter(|&i| near_plane(self, shape, i)));
+        } else {
+            self.moving_tree.query(&self.shapes[shape].fat, |other| {
+                near.push(other);
+                true
+            });
+        }
+        near.sort_unstable();
+        for other in near {
+            if may_meet(self, shape, other) {
+                self.wake_body(self.shapes[other].body);
+            }
+        }
     }
 
     /// Removes a contact, wherever it is; tells of its end when it touched.

@@ -159,10 +159,5 @@ fn make_contact(world: &mut World, key: u64) {
         recycle_tolerance: f32s::min(0.02 * unit, 0.1 * thin),
         hit_speed: 0.0,
     };
-    // A fixed shape that was just put there: nobody is awake to notice.
-    if world.frames[body_a as usize].row == NONE && world.frames[body_b as usize].row == NONE {
-        world.wake_body(body_a);
-        world.wake_body(body_b);
-    }
     world.link_contact(contact);
 }

@@ -8,6 +8,7 @@ use jounce_math::{Quat, Vec3, scalar::f32s};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     let gravity = world.gravity;
+    let mut bad = Vec::new();
     for i in 0..world.awake.step.len() {
         let (s, b) = (&mut world.awake.state[i], &mut world.awake.step[i]);
         let f = &mut world.frames[b.body as usize];
@@ -18,9 +19,18 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             _ => {
                 let falls = if b.inv_mass > 0.0 { b.gravity_scale } else { 0.0 };
                 b.acceleration = gravity * falls + b.force * b.inv_mass;
+                // A force that overflows would reach the neighbours within the step: contain it before it acts.
+                if !b.acceleration.is_finite()
+                    || !(b.torque.is_finite() && s.v().is_finite() && s.w().is_finite())
+                {
+                    bad.push(b.body);
+                }
                 debug_assert_eq!(b.locks, lock_bits(&world.bodies[b.body].locks));
             }
         }
+    }
+    for body in bad {
+        super::guard::quarantine(world, body);
     }
 }
 

@@ -27,7 +27,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     }
 }
 
-fn quarantine(world: &mut World, slot: u32) {
+pub(crate) fn quarantine(world: &mut World, slot: u32) {
     let f = &mut world.frames[slot as usize];
     (f.center, f.rotation) = (f.center0, f.rotation0);
     let row = world.bodies[slot].row as usize;

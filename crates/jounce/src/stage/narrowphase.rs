@@ -219,6 +219,7 @@ fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
 fn material(r: &ShapeRecord, sub: u32) -> &Material {
     let index = match &r.shape {
         Shape::Mesh(m) if !r.triangle_materials.is_empty() => m.material(sub),
+        Shape::HeightField(h) if !r.triangle_materials.is_empty() => h.material(sub),
         _ => return &r.material,
     };
     r.triangle_materials.get(usize::from(index)).unwrap_or(&r.material)
