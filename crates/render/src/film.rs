@@ -164,11 +164,15 @@ impl Open {
 /// 255 colours and a table of the nearest one.
 struct Palette {
     colors: Vec<[u8; 3]>,
-    /// Nearest colour by the upper five bits of each channel.
-    nearest: Vec<u8>,
+    /// Nearest colour by the upper bits of each channel; [`UNKNOWN`] until it is asked for.
+    nearest: Vec<u16>,
 }
 
-/// A part of the histogram: bins of five bits a channel with their weights.
+/// Bits of a channel that the histogram and the table of nearest colours go by.
+const BITS: usize = 6;
+const UNKNOWN: u16 = u16::MAX;
+
+/// A part of the histogram: mean colours of its bins with their weights.
 struct Cut {
     bins: Vec<([f32; 3], f32)>,
 }
@@ -199,7 +203,7 @@ impl Cut {
 
 impl Palette {
     fn from_frames(frames: &[Image]) -> Self {
-        let mut sums = vec![([0.0_f32; 3], 0.0_f32); 1 << 15];
+        let mut sums = vec![([0.0_f32; 3], 0.0_f32); 1 << (3 * BITS)];
         let stride = (frames.len() / 24).max(1);
         for image in frames.iter().step_by(stride) {
             for c in image.pixels() {
@@ -213,7 +217,7 @@ impl Palette {
         let bins: Vec<_> = sums
             .into_iter()
             .filter(|s| s.1 > 0.0)
-            // The square root lets small coloured things keep their colour beside large grey ones.
+            // Less than proportional: small coloured things keep their colour beside large grey ones.
             .map(|(c, n)| (c.map(|v| v / n), n.sqrt()))
             .collect();
         let mut colors = cut(&bins);
@@ -222,13 +226,7 @@ impl Palette {
         }
         let colors: Vec<[u8; 3]> =
             colors.iter().map(|c| c.map(|v| v.round().clamp(0.0, 255.0) as u8)).collect();
-        let nearest = (0..1_usize << 15)
-            .map(|i| {
-                let mid = |shift: usize| ((i >> shift & 31) * 8 + 4) as i32;
-                nearest(&colors, [mid(10), mid(5), mid(0)])
-            })
-            .collect();
-        Self { colors, nearest }
+        Self { colors, nearest: vec![UNKNOWN; 1 << (3 * BITS)] }
     }
 
     /// 256 entries, the last one for "as before".
@@ -240,20 +238,26 @@ impl Palette {
 
     /// Is the palette's colour still good enough for `c`?
     fn near(&self, shown: u8, c: [u8; 3]) -> bool {
-        self.colors.get(usize::from(shown)).is_some_and(|s| (0..3).all(|k| s[k].abs_diff(c[k]) <= 7))
+        self.colors.get(usize::from(shown)).is_some_and(|s| (0..3).all(|k| s[k].abs_diff(c[k]) <= 5))
     }
 
-    fn dithered(&self, c: [u8; 3], x: usize, y: usize) -> u8 {
-        // Bayer's 4 × 4 matrix, ±3.75 levels: enough against bands, little enough for short runs.
+    fn dithered(&mut self, c: [u8; 3], x: usize, y: usize) -> u8 {
+        // Bayer's 4 × 4 matrix, ±1.9 levels: enough against bands, little enough for short runs.
         const BAYER: [i32; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
-        let d = (BAYER[(y % 4) * 4 + x % 4] * 2 - 15) / 4;
-        let moved = c.map(|v| (i32::from(v) + d).clamp(0, 255) as u8);
-        self.nearest[bin(moved)]
+        let d = BAYER[(y % 4) * 4 + x % 4] * 2 - 15;
+        let moved = c.map(|v| ((i32::from(v) * 8 + d) / 8).clamp(0, 255) as u8);
+        let i = bin(moved);
+        if self.nearest[i] == UNKNOWN {
+            let half = 1 << (7 - BITS);
+            let middle = moved.map(|v| i32::from(v >> (8 - BITS) << (8 - BITS)) + half);
+            self.nearest[i] = u16::from(nearest(&self.colors, middle));
+        }
+        self.nearest[i] as u8
     }
 }
 
 fn bin(c: [u8; 3]) -> usize {
-    usize::from(c[0] >> 3) << 10 | usize::from(c[1] >> 3) << 5 | usize::from(c[2] >> 3)
+    c.iter().fold(0, |i, v| i << BITS | usize::from(v >> (8 - BITS)))
 }
 
 fn nearest(colors: &[[u8; 3]], c: [i32; 3]) -> u8 {

@@ -45,6 +45,7 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
     ("bad_color", 10, "bodies[1].color", "is \"reddish\"; expected a colour"),
     ("both_rotations", 10, "bodies[1].rotation", "rotation or rotation_deg, not both"),
     ("wrong_height_count", 7, "bodies[0].shapes[0].height_field.heights", "columns × rows = 6"),
+    ("flat_hull", 10, "bodies[1].shapes[0].hull", "coplanar"),
     ("full_scatter", 7, "scatter[0].min_distance", "the box has room for"),
 ];
 

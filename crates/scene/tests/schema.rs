@@ -27,3 +27,20 @@ fn the_schema_names_every_section() {
     assert_eq!(schema["additionalProperties"], false);
     assert_eq!(schema["required"], serde_json::json!(["jounce"]));
 }
+
+#[test]
+fn every_example_of_the_docs_loads() {
+    use jounce_scene::{LoadOptions, Scene, SceneError};
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let text = std::fs::read_to_string(root.join("docs/scenes.md")).expect("docs/scenes.md is there");
+    let options = LoadOptions { assets: root.join("../shared/assets") };
+    let blocks: Vec<&str> = text.split("```json\n").skip(1).filter_map(|b| b.split("```").next()).collect();
+    assert!(blocks.len() >= 8, "{}", blocks.len());
+    for (n, block) in blocks.iter().enumerate() {
+        match Scene::from_str(block, &format!("docs/scenes.md#{n}"), &options) {
+            Ok(_) => {}
+            Err(SceneError::Skipped(why)) => eprintln!("skipped: {why}"),
+            Err(e) => panic!("{e}"),
+        }
+    }
+}
