@@ -87,6 +87,9 @@ pub struct RenderArgs {
     /// Finer light and edges, slower
     #[arg(long)]
     pub fine: bool,
+    /// Draw contact points and normal forces
+    #[arg(long)]
+    pub contacts: bool,
     /// Write scene name and time into the picture
     #[arg(long)]
     pub caption: bool,

@@ -7,7 +7,8 @@ use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, ShapeId, World};
 use jounce_render::{
-    Camera, Film, Image, Look, Overlay, Pattern, RenderOptions, Skin, Stage, default_skin, srgb, write_whole,
+    Camera, Film, Image, Look, Overlay, Pattern, RenderOptions, Skin, Stage, contact_overlay, default_skin,
+    sensor_overlay, srgb, write_whole,
 };
 use jounce_scene::{Scene, Simulation};
 use std::path::Path;
@@ -29,6 +30,7 @@ pub fn render(a: &RenderArgs) -> Done {
     let mut simulation = start(&a.scene, &scene, a.common.threads.unwrap_or(1))?;
     let mut painter = Painter::new(&scene, &simulation, size, a.common.threads);
     painter.caption = a.caption;
+    painter.contacts = a.contacts;
     let fine = a.fine || !film;
     painter.options.light_samples = if fine { 3 } else { 1 };
     painter.options.edge_samples = if fine { 8 } else { 4 };
@@ -105,6 +107,7 @@ pub struct Painter<'a> {
     /// Where the followed body was at the start.
     followed: DVec3,
     pub caption: bool,
+    pub contacts: bool,
 }
 
 impl<'a> Painter<'a> {
@@ -135,7 +138,8 @@ impl<'a> Painter<'a> {
             look,
             ..RenderOptions::default()
         };
-        let mut painter = Self { scene, options, camera, followed: DVec3::ZERO, caption: false };
+        let mut painter =
+            Self { scene, options, camera, followed: DVec3::ZERO, caption: false, contacts: false };
         painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);
         painter
     }
@@ -183,10 +187,19 @@ impl<'a> Painter<'a> {
         };
         let stage = Stage::painted(world, &paint);
         let mut overlay = Overlay::default();
+        if grid.and_then(|r| r.sensors) == Some(true) {
+            sensor_overlay(world, &mut overlay);
+        }
+        let camera = self.camera_at(simulation);
+        if self.contacts {
+            overlay.on_top = true;
+            let longest = (camera.target - camera.position).length() as f32 * 0.05;
+            contact_overlay(world, &mut overlay, longest);
+        }
         if self.caption {
             overlay.caption = Some(format!("{}   t = {:.2} s", self.scene.name(), world.time()));
         }
-        Ok(jounce_render::render(&stage, &self.camera_at(simulation), &overlay, &self.options)?)
+        Ok(jounce_render::render(&stage, &camera, &overlay, &self.options)?)
     }
 }
 

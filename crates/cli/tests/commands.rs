@@ -139,6 +139,7 @@ fn render_writes_pictures_and_films() {
         "--at",
         "0.5",
         "--caption",
+        "--contacts",
     ]);
     assert_eq!(code(&o), 0, "{}", err(&o));
     assert!(std::fs::read(&png).expect("written").starts_with(b"\x89PNG"));

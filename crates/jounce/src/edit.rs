@@ -15,6 +15,7 @@ use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia
 use crate::world::World;
 use jounce_geometry::{Aabb, MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose, scalar::f32s};
+use jounce_tasks::FloatEnv;
 
 impl World {
     /// Carries out one edit, at once. The methods of [`World`] are thin sugar over this.
@@ -23,6 +24,7 @@ impl World {
     /// A stale handle or a value out of range, named. Nothing is changed then.
     pub fn apply(&mut self, command: Command) -> Result<Output> {
         use Command as C;
+        let _mode = FloatEnv::set_default();
         match command {
             C::AddBody(d) => return self.do_add_body(*d).map(Output::Body),
             C::AddShape(b, d) => return self.do_add_shape(b, *d).map(Output::Shape),

@@ -22,6 +22,7 @@
 
 mod command;
 mod contact_info;
+mod debug_draw;
 mod edit;
 mod error;
 mod event;
@@ -42,6 +43,7 @@ mod world;
 
 pub use command::{Command, Output};
 pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
+pub use debug_draw::{DebugColor, DebugDraw, DebugDrawOptions};
 pub use error::{Error, Result};
 pub use event::Event;
 pub use handle::{BodyId, ShapeId};

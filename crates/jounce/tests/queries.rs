@@ -402,3 +402,31 @@ fn the_order_of_the_past_cannot_be_seen() {
         assert_eq!(a.overlap_shape(&s, &at, &f), b.overlap_shape(&s, &at, &f));
     }
 }
+
+#[test]
+fn no_rounded_box_hides_a_shape() {
+    // Pebbles smaller than the spacing of f32 out there, and rays and points that are no f32 either.
+    let center = DVec3::new(3e6, -2e6, 1e6);
+    let mut w = world();
+    let mut r = Random::new(12);
+    for _ in 0..60 {
+        let at = center + r.vec(1.0).as_dvec3();
+        w.add_body(BodyDesc::fixed().at(at).shape(ShapeDesc::sphere(0.03))).expect("a pebble");
+    }
+    let f = QueryFilter::default();
+    let mut hits = 0;
+    for _ in 0..4000 {
+        let axis = [Vec3::X, -Vec3::Y, Vec3::Z, r.dir()][r.below(4)];
+        let ray = Ray::new(center + r.vec(1.0).as_dvec3() - axis.as_dvec3(), axis);
+        let brute = all_rays(&w, &ray, &f);
+        assert_eq!(w.cast_ray_all(&ray, &f), brute, "{ray:?}");
+        hits += brute.len();
+        let near = |s: ShapeRef<'_>| {
+            let pose = s.world_pose();
+            s.shape().closest_point(pose.inverse_transform_point(ray.origin)).expect("finite").distance
+        };
+        let least = visible(&w, &f).map(near).fold(f32::MAX, f32s::min);
+        assert_eq!(w.closest_point(ray.origin, 9.0, &f).map(|h| h.distance), Some(least));
+    }
+    assert!(hits > 100, "only {hits} hits");
+}

@@ -30,7 +30,7 @@ pub use plot::{Plot, Series, Style};
 pub use render::{RenderOptions, render};
 pub use text::draw as draw_text;
 pub use tracer::{Hit, Tracer};
-pub use world::{Paint, Stage, default_skin};
+pub use world::{Paint, Stage, contact_overlay, default_skin, sensor_overlay};
 
 #[cfg(test)]
 mod tests;

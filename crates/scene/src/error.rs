@@ -22,22 +22,28 @@ pub struct Fault {
 
 impl std::fmt::Display for Fault {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}", self.file)?;
+        let mut text = self.file.clone();
         if let Some(p) = self.position {
-            write!(f, ":{}:{}", p.line, p.column)?;
+            text += &format!(":{}:{}", p.line, p.column);
         }
         if !self.key.is_empty() {
-            write!(f, ": {}", self.key)?;
+            text += &format!(": {}", self.key);
         }
-        write!(f, ": {}", self.message)?;
+        text += &format!(": {}", self.message);
         if !self.expected.is_empty() {
-            write!(f, "; expected {}", self.expected)?;
+            text += &format!("; expected {}", self.expected);
         }
         if let Some(s) = &self.suggestion {
-            write!(f, " (did you mean `{s}`?)")?;
+            text += &format!(" (did you mean `{s}`?)");
         }
-        Ok(())
+        f.write_str(&one_line(&text))
     }
+}
+
+/// Names from a file may hold line breaks and control characters; a message is one line.
+fn one_line(text: &str) -> String {
+    let escape = |c: char| if c.is_control() { c.escape_default().collect() } else { String::from(c) };
+    text.chars().map(escape).collect()
 }
 
 /// Why a scene was not loaded or not run.
@@ -45,7 +51,7 @@ impl std::fmt::Display for Fault {
 #[non_exhaustive]
 pub enum SceneError {
     /// A file that cannot be read.
-    #[error("{file}: {message}")]
+    #[error("{}: {}", one_line(file), one_line(message))]
     File {
         /// The file, as it was named.
         file: String,
@@ -56,10 +62,10 @@ pub enum SceneError {
     #[error("{0}")]
     Fault(Box<Fault>),
     /// The scene needs files that this machine does not have; not a mistake in the scene.
-    #[error("skipped: {0}")]
+    #[error("skipped: {}", one_line(.0))]
     Skipped(String),
     /// The engine refused a step or a timed action.
-    #[error("{scene}: at {time} s: {message}")]
+    #[error("{}: at {time} s: {}", one_line(scene), one_line(message))]
     Run {
         /// Name of the scene.
         scene: String,
@@ -268,6 +274,12 @@ fn edits(a: &[char], b: &[char]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_are_one_line() {
+        let w = Wrong::new("there is no body \"a\nb\"", "").key("body");
+        assert_eq!(w.locate("x", "{}").to_string(), "x:1:1: body: there is no body \"a\\nb\"");
+    }
 
     #[test]
     fn slips_are_guessed() {

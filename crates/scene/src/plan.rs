@@ -27,12 +27,15 @@ pub(crate) enum BodyValue {
     Energy,
     Mass,
     Awake,
+    Contacts,
+    NormalForce,
+    FrictionForce,
 }
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Numbers without an axis, by their names in scene files.
-const BODY_VALUES: [(&str, BodyValue); 11] = [
+const BODY_VALUES: [(&str, BodyValue); 14] = [
     ("speed", BodyValue::Speed),
     ("angular_speed", BodyValue::AngularSpeed),
     ("height", BodyValue::Height),
@@ -44,6 +47,9 @@ const BODY_VALUES: [(&str, BodyValue); 11] = [
     ("energy", BodyValue::Energy),
     ("mass", BodyValue::Mass),
     ("awake", BodyValue::Awake),
+    ("contacts", BodyValue::Contacts),
+    ("normal_force", BodyValue::NormalForce),
+    ("friction_force", BodyValue::FrictionForce),
 ];
 
 type OfAxis<T> = (&'static str, fn(usize) -> T);

@@ -4,7 +4,7 @@ use crate::bodies::{Group, Target};
 use crate::plan::{BodyValue, Look, WorldValue};
 use crate::spec::{AggregateSpec, EventSpec};
 use jounce::math::{DVec3, Vec3, WorldPose};
-use jounce::{BodyId, Event, ShapeId, World};
+use jounce::{BodyId, ContactInfo, Event, ShapeId, World};
 use std::collections::BTreeMap;
 
 /// What a scene knows of a body that the engine does not.
@@ -244,7 +244,22 @@ fn of_body(v: BodyValue, id: BodyId, world: &World, records: &Records) -> f64 {
         BodyValue::Energy => kinetic() + potential(),
         BodyValue::Mass => f64::from(b.mass()),
         BodyValue::Awake => f64::from(u8::from(b.is_awake())),
+        BodyValue::Contacts => touching(world, id).len() as f64,
+        BodyValue::NormalForce => touching(world, id).iter().map(|c| f64::from(c.normal_force())).sum(),
+        BodyValue::FrictionForce => {
+            let all = touching(world, id);
+            let signed = |c: &ContactInfo| if c.bodies[1] == id { 1.0 } else { -1.0 };
+            let of = |c: &ContactInfo| {
+                let sum = c.manifolds.iter().fold(DVec3::ZERO, |f, m| f + m.friction_force.as_dvec3());
+                sum * signed(c)
+            };
+            all.iter().fold(DVec3::ZERO, |f, c| f + of(c)).length()
+        }
     }
+}
+
+fn touching(world: &World, id: BodyId) -> Vec<ContactInfo> {
+    world.contacts_of(id).unwrap_or_default()
 }
 
 fn degrees(radians: f64) -> f64 {

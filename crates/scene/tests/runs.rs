@@ -176,6 +176,19 @@ fn total_mass_is_scaled() {
     assert!((s.values()[1] - (ball - cube) / (ball + cube)).abs() < 1e-5, "{}", s.values()[1]);
 }
 
+/// A crate at rest on a slope: the ground carries m g cos θ and friction holds m g sin θ.
+#[test]
+fn contact_forces_carry_the_weight() {
+    let (s, _) = run(r#"{"jounce": 1, "seconds": 1, "gravity": [3, -9, 0], "settings": {"sleep": false},
+        "bodies": [{"name": "ground", "type": "fixed", "shapes": [{"half_space": {"normal": [0, 1, 0]}}]},
+                   {"name": "crate", "type": "dynamic", "position": [0, 0.5, 0],
+                    "shapes": [{"box": {"half": [0.5, 0.5, 0.5]}, "mass": 2}]}],
+        "probes": {"n": {"body": "crate", "value": "normal_force"}, "t": {"body": "crate", "value": "friction_force"},
+                   "c": {"body": "crate", "value": "contacts"}}}"#);
+    let v = s.values();
+    assert!((v[0] - 18.0).abs() < 0.02 * 18.0 && (v[1] - 6.0).abs() < 0.02 * 6.0 && v[2] == 1.0, "{v:?}");
+}
+
 #[test]
 fn refusals_while_running_name_the_time() {
     let s = scene(

@@ -20,6 +20,8 @@ pub struct Storm {
     pub size: f32,
     /// Edits accepted and refused.
     pub edits: [usize; 2],
+    /// Called around every call that changes the world.
+    pub around: fn(&mut dyn FnMut()),
 }
 
 impl Storm {
@@ -29,13 +31,17 @@ impl Storm {
         let far = *rng.pick(&[0.0, 0.0, 0.0, 0.0, 1e4, 1e6, 1e7]);
         let origin = if far == 0.0 { DVec3::ZERO } else { DVec3::new(far, -0.37 * far, 0.71 * far) };
         let world = World::new(world_desc(&mut rng, size)).expect("in range");
-        let mut storm = Self { world, rng, origin, extent: 8.0 * size, size, edits: [0, 0] };
+        let mut storm = Self { world, rng, origin, extent: 4.0 * size, size, edits: [0, 0], around: |f| f() };
         storm.hooks();
         for _ in 0..1 + storm.rng.below(2) {
             let ground = storm.ground();
             storm.world.add_body(ground).expect("a ground");
         }
-        for _ in 0..8 + storm.rng.below(24) {
+        if !storm.rng.one_in(3) {
+            let room = storm.room();
+            storm.world.add_body(room).expect("a room");
+        }
+        for _ in 0..12 + storm.rng.below(28) {
             let b = storm.body();
             storm.world.add_body(b).expect("in range");
         }
@@ -49,35 +55,57 @@ impl Storm {
                 self.edit();
             }
         }
-        self.world.step().expect("steps");
+        (self.around)(&mut || self.world.step().expect("steps"));
     }
 
     /// One edit, at once or queued; refusals are part of it.
     pub fn edit(&mut self) {
         let Some(command) = self.command() else { return };
-        let accepted = if self.rng.one_in(4) {
-            self.world.queue(command).is_ok()
-        } else {
-            match self.world.apply(command) {
-                Ok(Output::Body(b)) => self.world.body(b).is_ok(),
-                Ok(Output::Shape(s)) => self.world.shape(s).is_ok(),
-                Ok(_) => true,
-                Err(_) => false,
-            }
-        };
+        let queued = self.rng.one_in(4);
+        let mut accepted = true;
+        (self.around)(&mut || {
+            let command = command.clone();
+            accepted = if queued {
+                self.world.queue(command).is_ok()
+            } else {
+                match self.world.apply(command) {
+                    Ok(Output::Body(b)) => self.world.body(b).is_ok(),
+                    Ok(Output::Shape(s)) => self.world.shape(s).is_ok(),
+                    Ok(_) => true,
+                    Err(_) => false,
+                }
+            };
+        });
         self.edits[usize::from(!accepted)] += 1;
     }
 
-    /// A few rays through the place; hits must be finite and on live shapes.
+    /// Questions of every kind; answers must be finite and name live bodies and shapes.
     pub fn query(&mut self) {
-        for _ in 0..4 {
-            let from = self.somewhere();
-            let dir = self.rng.vec3(2.0);
-            if let Some(h) = self.world.cast_ray(&Ray::new(from, dir), &QueryFilter::default()) {
-                assert!(h.t.is_finite() && h.t >= 0.0 && h.point.is_finite(), "{h:?}");
-                assert!((h.normal.length() - 1.0).abs() < 1e-3, "{h:?}");
-                assert!(self.world.body(h.body).is_ok() && self.world.shape(h.shape).is_ok(), "{h:?}");
+        let all = QueryFilter::default();
+        for _ in 0..2 {
+            let (from, dir, q) = (self.somewhere(), self.rng.vec3(2.0), self.rng.quat());
+            let shape = self.convex();
+            let pose = WorldPose::new(from, q);
+            let near = 2.0 * self.size;
+            let (rng, world) = (&mut self.rng, &self.world);
+            let live = |b, s| world.body(b).is_ok() && world.shape(s).is_ok_and(|s| s.body() == b);
+            let unit = |n: Vec3| (n.length() - 1.0).abs() < 1e-3;
+            if let Some(h) = world.cast_ray(&Ray::new(from, dir), &all) {
+                let ok = h.t.is_finite() && h.t >= 0.0 && h.point.is_finite() && unit(h.normal);
+                assert!(ok && live(h.body, h.shape), "{h:?}");
             }
+            if let Some(h) = world.cast_shape(&shape, &pose, dir * self.size, &all) {
+                let ok = (0.0..=1.0).contains(&h.t) && h.point.is_finite() && h.normal.is_finite();
+                assert!(ok && live(h.body, h.shape), "{h:?} of {shape:?} at {pose:?}");
+            }
+            if let Some(h) = world.closest_point(from, near, &all) {
+                let ok = h.distance <= near && h.point.is_finite() && h.normal.is_finite();
+                assert!(ok && live(h.body, h.shape), "{h:?}");
+            }
+            let found = world.overlap_shape(&shape, &pose, &all);
+            assert!(found.iter().all(|&s| world.shape(s).is_ok()));
+            let corner = from + rng.vec3(self.size).abs().as_dvec3();
+            assert!(world.overlap_aabb(from, corner, &all).iter().all(|&s| world.shape(s).is_ok()));
         }
     }
 
@@ -179,6 +207,17 @@ impl Storm {
         let heights =
             (0..n * n).map(|i| if i == hole { f32::NAN } else { self.rng.float(-bump, bump) }).collect();
         Shape::HeightField(Arc::new(HeightField::new(n, n, [step, step], heights).expect("a field")))
+    }
+
+    /// Four walls and a floor, so that what falls off the ground meets again.
+    fn room(&mut self) -> BodyDesc {
+        let mut d = BodyDesc::fixed().at(self.origin);
+        for normal in [Vec3::Y, Vec3::X, -Vec3::X, Vec3::Z, -Vec3::Z] {
+            let shape = Shape::HalfSpace { normal, offset: -1.05 * self.extent };
+            let s = self.dressed(shape);
+            d.shapes.push(ShapeDesc { sensor: false, enabled: true, filter: Filter::default(), ..s });
+        }
+        d
     }
 
     fn ground(&mut self) -> BodyDesc {
@@ -285,7 +324,7 @@ impl Storm {
             return self.on_shape(which);
         }
         if which == 6 {
-            let g = *self.rng.pick(&[0.0, -9.81, -9.81, 3.0, -100.0]);
+            let g = *self.rng.pick(&[0.0, -9.81, -9.81, -9.81, 3.0, -100.0]);
             return Some(Command::SetGravity(Vec3::new(0.0, g, 0.0)));
         }
         if which == 7 {

@@ -128,7 +128,7 @@ pub struct ProbeSpec {
     /// What of the body: position.x|y|z, center.x|y|z, velocity.x|y|z, angular_velocity.x|y|z, momentum.x|y|z, speed,
     /// angular_speed, height (against gravity), tilt (degrees between the body's y axis and up), angle (degrees from the
     /// rotation at the start), distance (from the place at the start), kinetic_energy, potential_energy, energy, mass,
-    /// awake.
+    /// awake, contacts (touching pairs), normal_force (sum over the contacts, N), friction_force (size of the sum, N).
     pub value: Option<String>,
     /// How many bodies become one number.
     pub aggregate: Option<AggregateSpec>,

@@ -248,6 +248,10 @@ pub(crate) fn check_mass(m: &MassProperties) -> Result<()> {
         "finite, within 1e6 m",
     )?;
     let (d, _) = m.inertia.as_dmat3().symmetric_eigen();
-    let ok = m.inertia.is_finite() && d.min_component() > 0.0 && d.max_component() <= 1e25;
+    let (i, most) = (m.inertia, 1e-4 * d.max_component() as f32);
+    let skew = Vec3::new(i.cx.y - i.cy.x, i.cy.z - i.cz.y, i.cz.x - i.cx.z);
+    let symmetric = i.is_finite() && skew.abs().max_component() <= most;
+    // The inverse must fit f32 with room for levers.
+    let ok = symmetric && d.min_component() >= 1e-30 && d.max_component() <= 1e25;
     check(ok, "body", "mass.inertia", m.inertia, "a finite, symmetric, positive definite tensor")
 }

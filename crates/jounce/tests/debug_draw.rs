@@ -1,0 +1,84 @@
+//! Debug drawing: complete outlines, in the right place.
+
+mod support;
+
+use jounce::prelude::*;
+use jounce::{DebugColor, DebugDraw, DebugDrawOptions};
+use support::*;
+
+#[derive(Default)]
+struct Paper {
+    lines: Vec<(DVec3, DVec3)>,
+    points: Vec<DVec3>,
+    texts: Vec<String>,
+}
+
+impl DebugDraw for Paper {
+    fn line(&mut self, a: DVec3, b: DVec3, _: DebugColor) {
+        self.lines.push((a, b));
+    }
+    fn point(&mut self, at: DVec3, _: DebugColor) {
+        self.points.push(at);
+    }
+    fn text(&mut self, _: DVec3, text: &str, _: DebugColor) {
+        self.texts.push(text.into());
+    }
+}
+
+fn drawn(w: &World, options: &DebugDrawOptions<'_>) -> Paper {
+    let mut paper = Paper::default();
+    w.debug_draw(&mut paper, options);
+    paper
+}
+
+#[test]
+fn outlines_lie_on_the_surfaces() {
+    // Every end of every line of every shape is a surface point of that shape.
+    for seed in 0..40 {
+        let mut r = Random::new(seed);
+        let mut w = world();
+        let at = r.vec(5.0).as_dvec3();
+        let shape = any_shape(&mut r);
+        let compound = shape.name() == "compound";
+        let body = BodyDesc::fixed().at(at).rotated(r.turn()).shape(ShapeDesc::new(shape));
+        w.add_body(body).expect("a body");
+        let paper = drawn(&w, &DebugDrawOptions::default());
+        assert!(paper.lines.len() >= 6);
+        let everything = QueryFilter::default();
+        for p in paper.lines.iter().flat_map(|l| [l.0, l.1]) {
+            let d = w.closest_point(p, 9.0, &everything).expect("near").distance;
+            // Children of a compound reach into each other.
+            assert!(d < 1e-4 && (compound || d > -1e-4), "{d}");
+        }
+    }
+}
+
+#[test]
+fn a_box_has_twelve_edges_and_what_is_switched_off_stays_away() {
+    let mut w = world();
+    ground(&mut w);
+    let b = add_box(&mut w, [0.0, 0.5, 0.0], 0.5);
+    w.set_name(b, Some("it".into())).expect("alive");
+    step(&mut w, 5);
+    let only = |s: ShapeId| s.index() == 1;
+    let none = DebugDrawOptions {
+        shapes: false,
+        contacts: false,
+        filter: QueryFilter::default().only(&only),
+        ..DebugDrawOptions::default()
+    };
+    let count = |o: DebugDrawOptions<'_>| {
+        let p = drawn(&w, &o);
+        (p.lines.len(), p.points.len(), p.texts.len())
+    };
+    assert_eq!(count(none), (0, 0, 0));
+    assert_eq!(count(DebugDrawOptions { shapes: true, ..none }), (12, 0, 0));
+    assert_eq!(count(DebugDrawOptions { bounds: true, ..none }), (12, 0, 0));
+    assert_eq!(count(DebugDrawOptions { contacts: true, ..none }), (4, 4, 0));
+    assert_eq!(count(DebugDrawOptions { centers: true, names: true, ..none }), (3, 1, 1));
+    let away = [DVec3::splat(50.0), DVec3::splat(60.0)];
+    assert_eq!(
+        count(DebugDrawOptions { shapes: true, contacts: true, region: Some(away), ..none }),
+        (0, 0, 0)
+    );
+}

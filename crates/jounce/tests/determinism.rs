@@ -1,0 +1,337 @@
+//! The same world gives the same bits: on any number of threads, under any schedule, with any lanes, whatever
+//! floating-point mode the caller left on, from a clone, on a second run, and in debug and release builds.
+//!
+//! The hash of every step is compared, so a failure names the first step that differs. `JOUNCE_PROVE=1` for full counts.
+
+mod common;
+
+use common::rng::Rng;
+use common::storm::Storm;
+use jounce::geometry::{Compound, TriMesh, TriMeshOptions};
+use jounce::prelude::*;
+use jounce::{Command, Width};
+use std::sync::Arc;
+
+/// Something to step.
+#[derive(Clone)]
+enum Scene {
+    World(Box<World>),
+    Storm(Box<Storm>),
+}
+
+impl Scene {
+    fn world(&mut self) -> &mut World {
+        match self {
+            Self::World(w) => w,
+            Self::Storm(s) => &mut s.world,
+        }
+    }
+    fn step(&mut self) {
+        match self {
+            Self::World(w) => w.step().expect("steps"),
+            Self::Storm(s) => s.step(),
+        }
+    }
+    fn hashes(&mut self, steps: usize) -> Vec<u64> {
+        let one = |_| {
+            self.step();
+            self.world().hash()
+        };
+        (0..steps).map(one).collect()
+    }
+}
+
+type Make = fn() -> Scene;
+
+const SCENES: [(&str, Make); 8] = [
+    ("stacks", stacks),
+    ("pile on a mesh", pile_on_a_mesh),
+    ("bouncing balls", bouncing_balls),
+    ("drum", drum),
+    ("sensors", sensors),
+    ("storm 7", || storm(7)),
+    ("storm 39", || storm(39)),
+    ("storm 130", || storm(130)),
+];
+
+fn steps() -> usize {
+    if common::prove() { 600 } else { 120 }
+}
+
+fn empty() -> World {
+    World::new(WorldDesc::default()).expect("valid")
+}
+
+fn add(world: &mut World, d: BodyDesc) -> BodyId {
+    world.add_body(d).expect("valid")
+}
+
+fn storm(seed: u64) -> Scene {
+    Scene::Storm(Box::new(Storm::new(seed)))
+}
+
+fn stacks() -> Scene {
+    let mut world = empty();
+    add(&mut world, BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y)));
+    for i in 0..120 {
+        let (x, y, z) = (f64::from(i % 4) * 1.1, 0.5 + f64::from(i / 12), f64::from(i / 4 % 3) * 1.02);
+        add(&mut world, BodyDesc::dynamic().at([x, y, z]).shape(ShapeDesc::cuboid([0.5; 3])));
+    }
+    let cue = ShapeDesc::sphere(0.6).density(5000.0);
+    add(&mut world, BodyDesc::dynamic().at([-8.0, 4.0, 1.0]).velocity([25.0, 0.0, 0.3]).shape(cue));
+    Scene::World(Box::new(world))
+}
+
+fn mixed_shape(rng: &mut Rng) -> ShapeDesc {
+    match rng.below(6) {
+        0 => ShapeDesc::sphere(0.3),
+        1 => ShapeDesc::capsule(0.3, 0.2),
+        2 => ShapeDesc::cylinder(0.25, 0.3),
+        3 => ShapeDesc::cone(0.35, 0.3),
+        4 => {
+            let arm = |p| (Pose::new(p, Quat::IDENTITY), Shape::Box { half: Vec3::new(0.4, 0.1, 0.1) });
+            let cross = vec![arm(Vec3::new(0.3, 0.0, 0.0)), arm(Vec3::new(0.0, 0.2, 0.1))];
+            ShapeDesc::new(Shape::Compound(Arc::new(Compound::new(cross).expect("convex"))))
+        }
+        _ => ShapeDesc::cuboid([0.3, 0.2, 0.4]),
+    }
+}
+
+fn bowl() -> ShapeDesc {
+    let n = 12u32;
+    let corner = |i: u32, j: u32| {
+        let (x, z) = (i as f32 - 6.0, j as f32 - 6.0);
+        Vec3::new(x, 0.05 * (x * x + z * z), z)
+    };
+    let vertices: Vec<Vec3> = (0..=n).flat_map(|j| (0..=n).map(move |i| corner(i, j))).collect();
+    let cell = |i: u32, j: u32| {
+        let a = j * (n + 1) + i;
+        [[a, a + n + 1, a + 1], [a + 1, a + n + 1, a + n + 2]]
+    };
+    let triangles: Vec<[u32; 3]> = (0..n).flat_map(|j| (0..n).flat_map(move |i| cell(i, j))).collect();
+    let mesh = TriMesh::new(&vertices, &triangles, TriMeshOptions::default()).expect("a bowl");
+    ShapeDesc::mesh(Arc::new(mesh))
+}
+
+fn pile_on_a_mesh() -> Scene {
+    let (mut world, mut rng) = (empty(), Rng::new(11));
+    add(&mut world, BodyDesc::fixed().shape(bowl()));
+    for i in 0..100 {
+        let at = [rng.double(-1.5, 1.5), 1.0 + 0.25 * f64::from(i), rng.double(-1.5, 1.5)];
+        let shape = mixed_shape(&mut rng);
+        add(&mut world, BodyDesc::dynamic().at(at).rotated(rng.quat()).shape(shape));
+    }
+    Scene::World(Box::new(world))
+}
+
+fn bouncing_balls() -> Scene {
+    let (mut world, mut rng) = (empty(), Rng::new(12));
+    add(&mut world, BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y).restitution(0.9)));
+    for side in [Vec3::X, -Vec3::X, Vec3::Z, -Vec3::Z] {
+        let wall = ShapeDesc::half_space(side).at(side * -3.0);
+        add(&mut world, BodyDesc::fixed().shape(wall));
+    }
+    for _ in 0..150 {
+        let at = [rng.double(-2.5, 2.5), rng.double(0.5, 6.0), rng.double(-2.5, 2.5)];
+        let ball = ShapeDesc::sphere(rng.float(0.1, 0.3)).restitution(rng.float(0.0, 1.0)).hit_events(true);
+        add(&mut world, BodyDesc::dynamic().at(at).velocity(rng.vec3(6.0)).bullet(rng.one_in(4)).shape(ball));
+    }
+    Scene::World(Box::new(world))
+}
+
+fn drum() -> Scene {
+    let (mut world, mut rng) = (empty(), Rng::new(13));
+    let mut d = BodyDesc::kinematic().angular_velocity([0.0, 0.0, 1.5]);
+    for k in 0..8 {
+        let turn = Quat::from_axis_angle(Vec3::Z, k as f32 * core::f32::consts::FRAC_PI_4);
+        let wall = ShapeDesc::cuboid([1.4, 0.2, 2.0]).at(turn.rotate(Vec3::new(0.0, -3.0, 0.0)));
+        d = d.shape(wall.rotated(turn));
+    }
+    for z in [-2.2, 2.2] {
+        d = d.shape(ShapeDesc::cuboid([4.0, 4.0, 0.2]).at([0.0, 0.0, z]));
+    }
+    add(&mut world, d);
+    for i in 0..120 {
+        let at =
+            [f64::from(i % 5) * 0.6 - 1.2, f64::from(i / 20) * 0.6 - 1.6, f64::from(i / 5 % 4) * 0.8 - 1.2];
+        let shape = mixed_shape(&mut rng);
+        add(&mut world, BodyDesc::dynamic().at(at).rotated(rng.quat()).shape(shape));
+    }
+    Scene::World(Box::new(world))
+}
+
+fn sensors() -> Scene {
+    let (mut world, mut rng) = (empty(), Rng::new(14));
+    add(&mut world, BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y).friction(0.2)));
+    let gate = ShapeDesc::cuboid([1.0, 2.0, 4.0]).sensor();
+    let lift = add(&mut world, BodyDesc::kinematic().at([2.0, 1.0, 0.0]).shape(gate));
+    world.move_to(lift, DVec3::new(2.2, 1.1, 0.0), Quat::IDENTITY).expect("kinematic");
+    for i in 0..80 {
+        let at = [rng.double(-4.0, 4.0), 0.5 + 0.2 * f64::from(i), rng.double(-3.0, 3.0)];
+        let mut shape = mixed_shape(&mut rng);
+        shape.hit_events = true;
+        shape.material.rolling_friction = 0.02;
+        let b = add(&mut world, BodyDesc::dynamic().at(at).rotated(rng.quat()).shape(shape));
+        world.queue(Command::AddImpulse(b, rng.vec3(200.0), None)).expect("room in the queue");
+    }
+    let push: jounce::ContactHook = Arc::new(|c, s| {
+        s.velocity = c.normal.cross(Vec3::X);
+        true
+    });
+    world.set_contact_hook(Some(("belt", push)));
+    Scene::World(Box::new(world))
+}
+
+/// Asserts that a prepared scene gives the reference's hash at every step.
+fn agree(name: &str, what: &str, reference: &[u64], mut scene: Scene) {
+    for (step, &expected) in reference.iter().enumerate() {
+        scene.step();
+        let got = scene.world().hash();
+        assert_eq!(got, expected, "{name}, {what}: step {} of {} differs", step + 1, reference.len());
+    }
+}
+
+#[test]
+fn a_second_run_gives_the_same_bits() {
+    for (name, make) in SCENES {
+        let reference = make().hashes(steps());
+        let distinct = reference.windows(2).filter(|w| w[0] != w[1]).count();
+        assert!(distinct + 1 >= reference.len(), "{name}: the hash does not follow the steps");
+        agree(name, "second run", &reference, make());
+    }
+}
+
+#[test]
+fn scenes_are_worth_comparing() {
+    for (name, make) in SCENES {
+        let mut scene = make();
+        let (mut touching, mut events) = (0, 0);
+        for _ in 0..120 {
+            scene.step();
+            touching = touching.max(scene.world().counts().touching);
+            events += scene.world().events().len();
+        }
+        assert!(touching >= 8 && events >= 8, "{name}: {touching} contacts, {events} events");
+    }
+}
+
+#[test]
+fn threads_do_not_change_bits() {
+    for (name, make) in SCENES {
+        let reference = make().hashes(steps());
+        for threads in [1, 2, 4, 16] {
+            let mut scene = make();
+            scene.world().set_tasks(Tasks::pool(threads));
+            agree(name, &format!("{threads} threads"), &reference, scene);
+        }
+    }
+}
+
+#[test]
+fn schedules_do_not_change_bits() {
+    let schedules = if common::prove() { 50 } else { 20 };
+    for (name, make) in [SCENES[1], SCENES[3], SCENES[5]] {
+        let reference = make().hashes(steps());
+        for seed in 0..schedules {
+            let mut scene = make();
+            let tasks = if seed % 4 == 3 { Tasks::chaos_pool(2, seed) } else { Tasks::chaos(seed) };
+            scene.world().set_tasks(tasks);
+            agree(name, &format!("schedule {seed}"), &reference, scene);
+        }
+    }
+}
+
+#[test]
+fn lanes_do_not_change_bits() {
+    for (name, make) in SCENES {
+        let mut scene = make();
+        scene.world().set_width(Width::X1);
+        let reference = scene.hashes(steps());
+        for width in Width::ALL {
+            let mut scene = make();
+            scene.world().set_width(width);
+            agree(name, &format!("{width:?}"), &reference, scene);
+        }
+    }
+}
+
+#[test]
+fn a_clone_has_the_same_future() {
+    for (name, make) in SCENES {
+        let mut scene = make();
+        let mut clones = Vec::new();
+        let mut reference = Vec::new();
+        for step in 0..steps() {
+            if step % 30 == 15 {
+                clones.push((step, scene.clone()));
+            }
+            scene.step();
+            reference.push(scene.world().hash());
+        }
+        for (step, clone) in clones {
+            agree(name, &format!("clone after step {step}"), &reference[step..], clone);
+        }
+    }
+}
+
+#[test]
+#[cfg(target_arch = "x86_64")]
+fn the_callers_float_mode_does_not_change_bits() {
+    for (name, make) in SCENES {
+        let reference = make().hashes(steps());
+        for mode in [|f: &mut dyn FnMut()| with_mode(FLUSH, f), |f: &mut dyn FnMut()| with_mode(ROUND_UP, f)]
+        {
+            let mut scene = make();
+            for (step, &expected) in reference.iter().enumerate() {
+                match &mut scene {
+                    Scene::World(w) => mode(&mut || w.step().expect("steps")),
+                    // Its own arithmetic is the test's, not the engine's.
+                    Scene::Storm(s) => {
+                        s.around = mode;
+                        s.step();
+                    }
+                }
+                assert_eq!(scene.world().hash(), expected, "{name}: step {} differs", step + 1);
+            }
+        }
+    }
+}
+
+/// MXCSR: exceptions masked, denormals are zero (bit 6), flush to zero (bit 15).
+#[cfg(target_arch = "x86_64")]
+const FLUSH: u32 = 0x1f80 | 1 << 15 | 1 << 6;
+/// The same, rounding up (bits 13 and 14: 2).
+#[cfg(target_arch = "x86_64")]
+const ROUND_UP: u32 = FLUSH | 2 << 13;
+
+#[cfg(target_arch = "x86_64")]
+fn with_mode(mode: u32, f: &mut dyn FnMut()) {
+    let mut before = 0u32;
+    // SAFETY: stores MXCSR in a variable of its size, then loads a mode with all exceptions masked.
+    unsafe {
+        core::arch::asm!("stmxcsr [{}]", in(reg) &raw mut before);
+        core::arch::asm!("ldmxcsr [{}]", in(reg) &raw const mode);
+    }
+    f();
+    // SAFETY: loads the mode that was found.
+    unsafe { core::arch::asm!("ldmxcsr [{}]", in(reg) &raw const before) };
+}
+
+/// Debug and release builds, and every machine, end in these bits.
+///
+/// A change of the engine's arithmetic changes them. Mint them anew with
+/// `JOUNCE_MINT=1 cargo test -p jounce --test determinism golden`, and give the reason in the commit.
+#[test]
+fn golden_hashes() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden_hashes.txt");
+    let line = |i: usize| {
+        let (name, make) = SCENES[i];
+        format!("{:#018x}  {name}, 120 steps\n", make().hashes(120)[119])
+    };
+    let got = line(1) + &line(6);
+    if std::env::var_os("JOUNCE_MINT").is_some() {
+        std::fs::write(path, &got).expect("writable");
+    }
+    let golden = std::fs::read_to_string(path).expect("tests/golden_hashes.txt");
+    assert_eq!(got, golden, "if the arithmetic was meant to change: see the comment of this test");
+}
