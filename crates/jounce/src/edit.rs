@@ -577,8 +577,8 @@ impl World {
         let frame = &mut self.frames[slot as usize];
         let shift = frame.rotation.rotate(center - frame.local_center);
         let shift0 = frame.rotation0.rotate(center - frame.local_center);
-        frame.center = frame.center + shift.as_dvec3();
-        frame.center0 = frame.center0 + shift0.as_dvec3();
+        frame.center += shift.as_dvec3();
+        frame.center0 += shift0.as_dvec3();
         frame.local_center = center;
         self.forget_tests(slot);
         let body = &mut self.bodies[slot];

@@ -20,8 +20,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
                 let falls = if b.inv_mass > 0.0 { b.gravity_scale } else { 0.0 };
                 b.acceleration = gravity * falls + b.force * b.inv_mass;
                 // A force that overflows would reach the neighbours within the step: contain it before it acts.
-                if !b.acceleration.is_finite()
-                    || !(b.torque.is_finite() && s.v().is_finite() && s.w().is_finite())
+                if !(b.acceleration.is_finite()
+                    && b.torque.is_finite()
+                    && s.v().is_finite()
+                    && s.w().is_finite())
                 {
                     bad.push(b.body);
                 }

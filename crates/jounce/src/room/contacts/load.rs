@@ -62,6 +62,6 @@ pub(crate) fn raise(
         for v in [&mut inertia.xy, &mut inertia.xz, &mut inertia.yz] {
             *v *= factor;
         }
-        step.acceleration = step.acceleration * factor;
+        step.acceleration *= factor;
     }
 }

@@ -60,11 +60,11 @@ pub(crate) fn integrate_position(
     }
     let v2 = s.v.length_squared();
     if v2 > sub.linear_speed_max * sub.linear_speed_max {
-        s.v = s.v * (sub.linear_speed_max / v2.sqrt());
+        s.v *= sub.linear_speed_max / v2.sqrt();
     }
     let w2 = s.w.length_squared();
     if w2 > sub.angular_speed_max * sub.angular_speed_max && !b.fast_rotation {
-        s.w = s.w * (sub.angular_speed_max / w2.sqrt());
+        s.w *= sub.angular_speed_max / w2.sqrt();
     }
     s.dp += s.v * sub.h;
     if b.isotropic || b.kind != BodyKind::Dynamic || b.locks & 56 != 0 || w2 < SPIN_MIN_SQUARED {
