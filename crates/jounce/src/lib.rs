@@ -73,3 +73,8 @@ pub mod prelude {
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};
     pub use jounce_tasks::Tasks;
 }
+
+/// The README's program compiles and runs.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
