@@ -176,7 +176,7 @@ fn plot_writes_diagrams() {
     let o = jounce(&["plot", "tests/data/drop.json", "--y", "height,ball", "-o", text(&svg)]);
     assert_eq!(code(&o), 0, "{}", err(&o));
     let words = std::fs::read_to_string(&svg).expect("written");
-    for word in ["height", "ball", "time (s)", "expected: rests"] {
+    for word in ["height", "ball", "time (s)", "(m)", "expected: rests"] {
         assert!(words.contains(word), "{word}");
     }
     let o = jounce(&["plot", "tests/data/drop.json", "--y", "height", "-o", text(&png), "--size", "400x300"]);
