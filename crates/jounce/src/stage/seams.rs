@@ -53,7 +53,7 @@ fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
         let face = patches.iter().find(|f| {
             (f.row, f.index) != (m.row, m.index)
                 && f.face
-                && f.normal.dot(m.normal) < 0.9998
+                && f.normal != m.normal
                 && lies_on(m, f)
                 && (!m.face || !lies_on(f, m))
         });
