@@ -74,7 +74,8 @@ fn through(kind: Wall, count: usize, dice: &mut Dice) -> Result<f64> {
         let mut ids = Vec::new();
         for _ in 0..batch {
             let radius = dice.between(0.02, 0.3);
-            let (tilt, around) = (dice.between(0.0, 60.0).to_radians(), dice.between(0.0, 6.283));
+            let (tilt, around) =
+                (dice.between(0.0, 60.0).to_radians(), dice.between(0.0, std::f64::consts::TAU));
             let dir = DVec3::new(tilt.cos(), tilt.sin() * around.cos(), tilt.sin() * around.sin());
             let target = DVec3::new(0.0, dice.between(-60.0, 60.0), dice.between(-60.0, 60.0));
             let at = target - dir * dice.between(1.0, 9.0) - DVec3::X * radius;
