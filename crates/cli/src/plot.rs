@@ -5,6 +5,7 @@ use crate::error::{Done, Failure};
 use crate::output::{note, progress};
 use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce_render::{Plot, Series, Style, write_whole};
+use jounce_scene::spec::{AggregateSpec, ProbeSpec, SceneSpec};
 use jounce_scene::{Expected, Simulation};
 
 pub fn plot(a: &PlotArgs) -> Done {
@@ -28,10 +29,9 @@ pub fn plot(a: &PlotArgs) -> Done {
     let bar = progress(count, "simulate");
     simulate(&a.scene, &mut simulation, count, &bar, |_| Ok(()))?;
     bar.finish_and_clear();
-    let one = a.y.len() == 1;
     let plot = Plot {
         title: scene.name().to_string(),
-        y_label: if one { a.y[0].clone() } else { String::new() },
+        y_label: label(a, scene.spec()),
         series: curves(a, &simulation),
         width: a.size.0.max(200),
         height: a.size.1.max(150),
@@ -44,6 +44,38 @@ pub fn plot(a: &PlotArgs) -> Done {
     }
     note(&format!("wrote {}", a.output.display()));
     Ok(())
+}
+
+/// Name of the axis: the probe where there is one, and the unit where all share it.
+fn label(a: &PlotArgs, spec: &SceneSpec) -> String {
+    let of = |name: &String| spec.probes.get(name).map_or("", unit);
+    let shared = of(&a.y[0]);
+    let name = if a.y.len() == 1 { a.y[0].as_str() } else { "" };
+    if shared.is_empty() || a.y.iter().any(|n| of(n) != shared) {
+        return name.into();
+    }
+    format!("{name} ({shared})").trim().into()
+}
+
+/// Unit of what a probe measures; empty for counts.
+fn unit(probe: &ProbeSpec) -> &'static str {
+    if matches!(probe.aggregate, Some(AggregateSpec::CountBelow(_) | AggregateSpec::CountAbove(_))) {
+        return "";
+    }
+    let what = probe.value.as_deref().or(probe.world.as_deref()).unwrap_or("");
+    let group = what.split('.').next().unwrap_or("");
+    match group {
+        "position" | "center" | "height" | "distance" => "m",
+        "velocity" | "speed" => "m/s",
+        "angular_velocity" | "angular_speed" => "rad/s",
+        "momentum" => "kg m/s",
+        "angular_momentum" => "kg m²/s",
+        "energy" | "kinetic_energy" | "potential_energy" => "J",
+        "normal_force" | "friction_force" => "N",
+        "tilt" | "angle" => "°",
+        "mass" => "kg",
+        _ => "",
+    }
 }
 
 /// The probes' curves, and as dots the numbers that the scene expects of them.

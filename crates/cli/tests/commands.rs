@@ -176,7 +176,7 @@ fn plot_writes_diagrams() {
     let o = jounce(&["plot", "tests/data/drop.json", "--y", "height,ball", "-o", text(&svg)]);
     assert_eq!(code(&o), 0, "{}", err(&o));
     let words = std::fs::read_to_string(&svg).expect("written");
-    for word in ["height", "ball", "time (s)", "expected: rests"] {
+    for word in ["height", "ball", "time (s)", "(m)", "expected: rests"] {
         assert!(words.contains(word), "{word}");
     }
     let o = jounce(&["plot", "tests/data/drop.json", "--y", "height", "-o", text(&png), "--size", "400x300"]);
@@ -208,7 +208,7 @@ fn check_points_at_the_mistake() {
 
 #[test]
 fn verify_prints_rows() {
-    let o = jounce(&["verify", "--json"]);
+    let o = jounce(&["verify", "projectile", "--json"]);
     let v = json(&o);
     let rows = v["rows"].as_array().expect("rows");
     for r in rows {
@@ -280,9 +280,12 @@ fn help_and_version_are_no_mistakes() {
 
 #[test]
 fn a_reader_that_goes_away_is_no_mistake() {
-    for words in
-        [&["run", "tests/data/drop.json"][..], &["verify"], &["--help"], &["check", "tests/data/drop.json"]]
-    {
+    for words in [
+        &["run", "tests/data/drop.json"][..],
+        &["verify", "projectile"],
+        &["--help"],
+        &["check", "tests/data/drop.json"],
+    ] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_jounce"))
             .args(words)
             .current_dir(env!("CARGO_MANIFEST_DIR"))

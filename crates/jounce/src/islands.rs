@@ -22,7 +22,7 @@ impl World {
     }
 
     pub(crate) fn wake_island(&mut self, island: u32) {
-        let Some(bodies) = self.islands.remove(island) else { return };
+        let Some(mut bodies) = self.islands.remove(island) else { return };
         for &slot in &bodies {
             let b = &mut self.bodies[slot];
             b.island = NONE;
@@ -43,6 +43,8 @@ impl World {
                 self.wake_touching(slot);
             }
         }
+        bodies.clear();
+        self.scratch.lists.push(bodies);
     }
 
     /// Wakes every body that touches this one, and the body itself.

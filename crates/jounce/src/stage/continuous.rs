@@ -19,7 +19,8 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     if !world.settings.continuous {
         return;
     }
-    let mut hits: Vec<(u32, f32)> = Vec::new();
+    let mut hits = core::mem::take(&mut world.scratch.hits);
+    hits.clear();
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
         let body = &world.bodies[b.body];
         let s = s.get();
@@ -31,12 +32,13 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             }
         }
     }
-    for (slot, t) in hits {
+    for &(slot, t) in &hits {
         let f = &mut world.frames[slot as usize];
         f.center = f.center0.lerp(f.center, f64::from(t));
         f.rotation = f.rotation0.nlerp(f.rotation, t);
         world.refresh_inertia(slot);
     }
+    world.scratch.hits = hits;
 }
 
 /// Fraction of the step after which the body first meets something it must not pass.

@@ -10,7 +10,8 @@ use jounce_math::Vec3;
 pub(crate) fn run(world: &mut World, _: &Step) {
     let mut ends = core::mem::take(&mut world.scratch.ends);
     ends.clear();
-    let mut wakes = Vec::new();
+    let mut wakes = core::mem::take(&mut world.scratch.wakes);
+    wakes.clear();
     for row in 0..world.contacts.len() {
         let c = &mut world.contacts[row];
         if c.apart {
@@ -43,9 +44,10 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         world.unlink_contact(id);
     }
     world.scratch.ends = ends;
-    for body in wakes {
+    for &body in &wakes {
         world.wake_body(body);
     }
+    world.scratch.wakes = wakes;
 }
 
 /// A body that sleeps on a kinematic one that moves.

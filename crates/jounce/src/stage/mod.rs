@@ -14,6 +14,7 @@ pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod substep;
 
+use crate::room::contacts::impact::Impacts;
 use crate::room::contacts::prepare::StepConstants;
 use crate::room::contacts::rows::Block;
 use jounce_geometry::ManifoldSet;
@@ -41,7 +42,21 @@ pub(crate) struct Scratch {
     pub candidates: Vec<Vec<u64>>,
     pub keys: Vec<u64>,
     pub ends: Vec<u32>,
+    /// Bodies to wake.
+    pub wakes: Vec<u32>,
     pub parent: Vec<u32>,
+    /// Least rest of an island, by its root.
+    pub rest: Vec<f32>,
+    /// (root, row, body) of what falls asleep.
+    pub resting: Vec<(u32, u32, u32)>,
+    /// Emptied lists of islands that woke.
+    pub lists: Vec<Vec<u32>>,
+    pub patches: Vec<seams::Patch>,
+    pub impacts: Impacts,
+    /// Fast bodies and the time of their first hit.
+    pub hits: Vec<(u32, f32)>,
+    /// Who is inside a sensor.
+    pub visitors: Vec<(u32, u32)>,
     pub loads: Vec<(f32, jounce_math::Vec3)>,
 }
 

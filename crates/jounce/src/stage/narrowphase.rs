@@ -131,14 +131,15 @@ fn test(
     c.tested_rotations = [fa.rotation, fb.rotation];
     let offset = (fb.center - fa.center).as_vec3();
     let old_first = c.manifold;
-    let old_rest = core::mem::take(&mut c.rest);
-    let old_count = if old_first.count == 0 { 0 } else { 1 + old_rest.len() };
-    let old = |i: usize| if i == 0 { &old_first } else { &old_rest[i - 1] };
+    // The old ones stay in front until the new ones stand behind them: the list's memory is kept.
+    let kept = c.rest.len();
+    let old_count = if old_first.count == 0 { 0 } else { 1 + kept };
     c.manifold = ContactManifold::default();
     for (i, m) in set.manifolds.iter().enumerate() {
         let mut new = place(m, &in_a, pose, fa.rotation);
         new.offset = offset;
         new.surface = surface(ra, rb, m, fa.rotation, fb.rotation);
+        let old = |i: usize| if i == 0 { &old_first } else { &c.rest[i - 1] };
         if let Some(o) = (0..old_count).map(old).find(|o| same(o, &new)) {
             inherit(&mut new, o);
         } else {
@@ -150,6 +151,7 @@ fn test(
             c.rest.push(new);
         }
     }
+    c.rest.drain(..kept);
 }
 
 /// A manifold from the shapes' frames to the bodies'.

@@ -13,7 +13,8 @@ use jounce_geometry::{FACE_A, FACE_B};
 use jounce_math::Vec3;
 
 /// A manifold against a fixed body, seen from the moving body's centre of mass, world axes.
-struct Patch {
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patch {
     row: u32,
     index: usize,
     /// Out of the fixed body.
@@ -37,21 +38,22 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             }
         }
     }
+    let mut patches = core::mem::take(&mut world.scratch.patches);
     for row in 0..count.len() {
         if count[row] >= 2 && world.awake.step[row].kind == BodyKind::Dynamic {
-            body(world, world.awake.step[row].body);
+            body(world, world.awake.step[row].body, &mut patches);
         }
     }
-    world.scratch.parent = count;
+    (world.scratch.parent, world.scratch.patches) = (count, patches);
 }
 
-fn body(world: &mut World, slot: u32) {
-    let patches = gather(world, slot);
-    for m in &patches {
+fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
+    gather(world, slot, patches);
+    for m in patches.iter() {
         let face = patches.iter().find(|f| {
             (f.row, f.index) != (m.row, m.index)
                 && f.face
-                && f.normal.dot(m.normal) < 0.9998
+                && f.normal != m.normal
                 && lies_on(m, f)
                 && (!m.face || !lies_on(f, m))
         });
@@ -66,8 +68,8 @@ fn lies_on(m: &Patch, f: &Patch) -> bool {
     m.points[..m.count].iter().all(|p| f.normal.dot(*p - f.points[0]).abs() <= m.slop)
 }
 
-fn gather(world: &World, slot: u32) -> Vec<Patch> {
-    let mut patches = Vec::new();
+fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {
+    patches.clear();
     let center = world.frames[slot as usize].center;
     for &id in &world.bodies[slot].contacts {
         let ContactPlace::Awake(row) = world.places[id as usize] else { continue };
@@ -98,7 +100,6 @@ fn gather(world: &World, slot: u32) -> Vec<Patch> {
             });
         }
     }
-    patches
 }
 
 /// Gives a manifold another normal; its points stay, their gaps are measured along the new one.

@@ -12,8 +12,10 @@ pub(crate) fn run(world: &mut World) {
         if world.shapes[s].place == Place::Nowhere {
             continue;
         }
-        let now = visitors(world, s);
-        let before = core::mem::replace(&mut world.shapes[s].visitors, now);
+        let mut before = core::mem::take(&mut world.scratch.visitors);
+        before.clear();
+        visitors(world, s, &mut before);
+        core::mem::swap(&mut world.shapes[s].visitors, &mut before);
         let sensor = world.shape_id(s);
         let now = &world.shapes[s].visitors;
         let id = |&(index, generation): &(u32, u32)| ShapeId { index, generation };
@@ -21,16 +23,15 @@ pub(crate) fn run(world: &mut World) {
         let gone = gone.map(|v| Event::SensorLeave { sensor, visitor: id(v) });
         let come = now.iter().filter(|v| before.binary_search(v).is_err());
         let come = come.map(|v| Event::SensorEnter { sensor, visitor: id(v) });
-        let news: Vec<Event> = gone.chain(come).collect();
-        world.events.extend(news);
+        world.events.extend(gone.chain(come));
+        world.scratch.visitors = before;
     }
 }
 
-/// Shapes that overlap a sensor, sorted by slot. Sensors do not see sensors, nor fixed shapes.
-fn visitors(world: &World, sensor: u32) -> Vec<(u32, u32)> {
+/// Finds the shapes that overlap a sensor, sorted by slot. Sensors do not see sensors, nor fixed shapes.
+fn visitors(world: &World, sensor: u32, found: &mut Vec<(u32, u32)>) {
     let r = &world.shapes[sensor];
     let pose = world.frames[r.body as usize].shape_pose(&r.pose);
-    let mut found = Vec::new();
     let mut see = |other: u32| {
         let o = &world.shapes[other];
         if o.sensor || o.body == r.body || !r.filter.allows(&o.filter) {
@@ -43,18 +44,11 @@ fn visitors(world: &World, sensor: u32) -> Vec<(u32, u32)> {
         true
     };
     if r.place == Place::Unbounded {
-        let all: Vec<u32> = world
-            .shapes
-            .iter()
-            .filter(|(_, o)| matches!(o.place, Place::MovingTree(_)))
-            .map(|(i, _)| i)
-            .collect();
-        all.into_iter().for_each(|i| {
+        for (i, _) in world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_))) {
             see(i);
-        });
+        }
     } else {
         world.moving_tree.query(&world.tight_bounds(sensor), see);
     }
     found.sort_unstable();
-    found
 }

@@ -10,7 +10,6 @@ use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_math::{Vec3, scalar::f32s};
-use std::collections::BTreeMap;
 
 pub(crate) fn run(world: &mut World, _: &Step) {
     let needed = world.settings.sleep_time_s;
@@ -31,22 +30,28 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             parent[hi as usize] = lo;
         }
     }
-    let mut rest = vec![f32::MAX; n];
+    let mut rest = core::mem::take(&mut world.scratch.rest);
+    rest.clear();
+    rest.resize(n, f32::MAX);
     for i in 0..n {
         let r = root(&mut parent, i as u32) as usize;
         rest[r] = f32s::min(rest[r], world.awake.step[i].sleep_timer);
     }
-    let mut islands: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    let mut resting = core::mem::take(&mut world.scratch.resting);
+    resting.clear();
     for i in 0..n {
         let r = root(&mut parent, i as u32);
         if rest[r as usize] >= needed {
-            islands.entry(r).or_default().push(world.awake.step[i].body);
+            resting.push((r, i as u32, world.awake.step[i].body));
         }
     }
-    world.scratch.parent = parent;
-    for bodies in islands.into_values() {
+    resting.sort_unstable();
+    for island in resting.chunk_by(|a, b| a.0 == b.0) {
+        let mut bodies = world.scratch.lists.pop().unwrap_or_default();
+        bodies.extend(island.iter().map(|&(_, _, body)| body));
         world.sleep_bodies(bodies);
     }
+    (world.scratch.parent, world.scratch.rest, world.scratch.resting) = (parent, rest, resting);
 }
 
 fn dynamic_row(world: &World, body: u32) -> u32 {

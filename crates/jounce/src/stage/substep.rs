@@ -72,7 +72,14 @@ fn poses(world: &mut World, step: &Step) {
 
 fn impacts(world: &mut World, step: &Step) {
     let threshold = step.constants.restitution_speed;
-    if !impact::resolve(&world.contacts, &world.frames, &mut world.awake, threshold, step.dt) {
+    if !impact::resolve(
+        &world.contacts,
+        &world.frames,
+        &mut world.awake,
+        threshold,
+        step.dt,
+        &mut world.scratch.impacts,
+    ) {
         world.events.push(Event::LimitReached { what: "rounds of simultaneous impacts" });
     }
 }

@@ -13,7 +13,16 @@ use crate::limits;
 use crate::room::rigid::state::{Awake, BodyFrame, NONE};
 use jounce_math::{Vec3, scalar::f32s};
 
+/// Memory that is reused from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Impacts {
+    list: Vec<Impact>,
+    partner: Vec<u32>,
+    shared: Vec<bool>,
+}
+
 /// A pair of points that may meet in this step.
+#[derive(Clone, Copy, Debug)]
 struct Impact {
     rows: [u32; 2],
     normal: Vec3,
@@ -32,8 +41,10 @@ pub(crate) fn resolve(
     awake: &mut Awake,
     threshold: f32,
     dt: f32,
+    memory: &mut Impacts,
 ) -> bool {
-    let mut list: Vec<Impact> = Vec::new();
+    let list = &mut memory.list;
+    list.clear();
     let mut any_fast = false;
     for c in contacts.iter().filter(|c| c.touching) {
         let (fa, fb) = (&frames[c.body_a as usize], &frames[c.body_b as usize]);
@@ -67,10 +78,10 @@ pub(crate) fn resolve(
     if !any_fast || list.len() < 2 {
         return true;
     }
-    keep_clusters(&mut list, awake.state.len());
+    keep_clusters(memory, awake.state.len());
     for _ in 0..limits::IMPACT_ROUNDS_MAX {
         let mut quiet = true;
-        for i in &mut list {
+        for i in &mut memory.list {
             let vn = approach(i, awake);
             let limit = if i.hit { 1e-4 } else { threshold };
             if vn < -limit {
@@ -109,9 +120,12 @@ fn push(i: &Impact, awake: &mut Awake, lambda: f32) {
 }
 
 /// Keeps impacts of which one body has another impact with a different body.
-fn keep_clusters(list: &mut Vec<Impact>, rows: usize) {
-    let mut partner = vec![NONE; rows];
-    let mut shared = vec![false; rows];
+fn keep_clusters(memory: &mut Impacts, rows: usize) {
+    let Impacts { list, partner, shared } = memory;
+    partner.clear();
+    partner.resize(rows, NONE);
+    shared.clear();
+    shared.resize(rows, false);
     for i in list.iter() {
         for (me, other) in [(i.rows[0], i.rows[1]), (i.rows[1], i.rows[0])] {
             let p = &mut partner[me as usize];

@@ -280,6 +280,16 @@ fn rolling<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, limit: L) {
 
 #[inline(always)]
 fn friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, limit: L) {
+    let new = friction_impulse(block, at, u, n, limit);
+    for (total, new) in block.friction_total.iter_mut().zip(new) {
+        (L::load(&total[at..]) + new).store(&mut total[at..]);
+    }
+    push_friction(block, at, u, n, new);
+}
+
+/// The friction impulse that stops the slip, within the bound.
+#[inline(always)]
+fn friction_impulse<L: Lanes>(block: &Block, at: usize, u: &Pair<L>, n: Wide3<L>, limit: L) -> [L; 2] {
     let t1 = Wide3::<L>::load(&block.tangent, at);
     let t2 = n.cross(t1);
     let v1 = u.speed(t1, &block.friction[0], at) - L::load(&block.surface_speed[0][at..]);
@@ -293,13 +303,37 @@ fn friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>
     let wanted2 = old2 - (xy * v1 + yy * v2);
     let size2 = wanted1 * wanted1 + wanted2 * wanted2;
     let scale = L::select(size2.gt(limit * limit), limit / size2.sqrt(), L::splat(1.0));
-    let (new1, new2) = (wanted1 * scale, wanted2 * scale);
-    new1.store(&mut block.friction_impulse[0][at..]);
-    new2.store(&mut block.friction_impulse[1][at..]);
-    (L::load(&block.friction_total[0][at..]) + new1).store(&mut block.friction_total[0][at..]);
-    (L::load(&block.friction_total[1][at..]) + new2).store(&mut block.friction_total[1][at..]);
-    u.push(t1, &block.friction[0], at, new1 - old1);
-    u.push(t2, &block.friction[1], at, new2 - old2);
+    [wanted1 * scale, wanted2 * scale]
+}
+
+/// Stores a friction impulse and applies its change.
+#[inline(always)]
+fn push_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, new: [L; 2]) {
+    let t1 = Wide3::<L>::load(&block.tangent, at);
+    for ((t, i), new) in [t1, n.cross(t1)].into_iter().zip(0..).zip(new) {
+        let old = L::load(&block.friction_impulse[i][at..]);
+        new.store(&mut block.friction_impulse[i][at..]);
+        u.push(t, &block.friction[i], at, new - old);
+    }
+}
+
+/// The impulse of the rebound bears friction as the one that stopped the approach did: Δv_t ≤ μ (1 + e) v_n in all.
+#[inline(always)]
+fn rebound_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, added: L) {
+    let mut total = L::zero();
+    for rows in &block.points[..block.points_max.min(4)] {
+        total = total + L::load(&rows.impulse[at..]);
+    }
+    let wanted = friction_impulse(block, at, u, n, L::load(&block.mu[at..]) * total);
+    // Lanes that did not bounce keep theirs: a row must not depend on its neighbours.
+    let bounced = added.gt(L::zero());
+    let old = [0, 1].map(|i| L::load(&block.friction_impulse[i][at..]));
+    let new = [0, 1].map(|i| L::select(bounced, wanted[i], old[i]));
+    for i in 0..2 {
+        (L::load(&block.friction_total[i][at..]) + (new[i] - old[i]))
+            .store(&mut block.friction_total[i][at..]);
+    }
+    push_friction(block, at, u, n, new);
 }
 
 #[inline(always)]
@@ -307,6 +341,7 @@ fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, 
     let n = Wide3::<L>::load(&block.normal, at);
     let mut u = Pair::load(block, at, access, g);
     let zero = L::zero();
+    let mut added = zero;
     for rows in &mut block.points[..block.points_max.min(4)] {
         let rebound = L::load(&rows.rebound[at..]);
         let total = L::load(&rows.total[at..]);
@@ -320,7 +355,9 @@ fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, 
         let new = L::select(bounces, wanted, old);
         new.store(&mut rows.impulse[at..]);
         (total + (new - old)).store(&mut rows.total[at..]);
+        added = added + (new - old);
         u.push(n, &rows.j, at, new - old);
     }
+    rebound_friction(block, at, &mut u, n, added);
     u.store(access, g);
 }
