@@ -2,7 +2,7 @@
 //!
 //! A box that slides from one tile onto the next touches the next tile's edge, or its hidden side, a moment before its top.
 //! A manifold against a fixed body whose points all lie in the plane of another, face, manifold of the same moving body says
-//! nothing that this face does not say: it takes the face's normal. Every test reads the manifolds as the narrow phase left
+//! nothing that this face does not say: it takes the face's normal, or is dropped when it is a single point. Every test reads the manifolds as the narrow phase left
 //! them, so the order of the contacts does not matter.
 
 use super::Step;
@@ -58,7 +58,11 @@ fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
                 && (!m.face || !lies_on(f, m))
         });
         if let Some(f) = face {
-            adopt(world, m, f.normal);
+            if m.count == 1 && world.contacts[m.row as usize].rest.is_empty() {
+                drop(world, m);
+            } else {
+                adopt(world, m, f.normal);
+            }
         }
     }
 }
@@ -100,6 +104,15 @@ fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {
             });
         }
     }
+}
+
+/// A single point in the plane of a face that carries the body already would carry it twice: a rolling ball would rise and
+/// sink by half its contact's sag at every seam.
+fn drop(world: &mut World, m: &Patch) {
+    let c = &mut world.contacts[m.row as usize];
+    let Some(manifold) = c.manifolds_mut().nth(m.index) else { return };
+    manifold.count = 0;
+    c.tested = false;
 }
 
 /// Gives a manifold another normal; its points stay, their gaps are measured along the new one.

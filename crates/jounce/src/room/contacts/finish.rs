@@ -1,9 +1,9 @@
 //! From solver rows back to manifolds, once per step; the stick bit.
 //!
-//! Static and kinetic friction. A manifold either *sticks* (bound μ_s N) or *slides* (bound μ_k N), decided here from the last
-//! substep and remembered:
+//! Static and kinetic friction. A manifold either *sticks* (bound μ_s N) or *slides* (bound μ_k N), decided here at the end of a
+//! step and remembered:
 //!
-//! * stick → slide when the friction impulse reached its bound;
+//! * stick → slide when the friction impulse of the step reached its bound and the surfaces slip all the same;
 //! * slide → stick when friction stopped the slip within its bound, when the slip turned round, or when it is slower than
 //!   `Settings::stick_speed` and not speeding up;
 //! * a new manifold starts stuck below that speed.
@@ -16,6 +16,9 @@ use super::state::ContactManifold;
 use crate::room::rigid::state::BodyState;
 use jounce_math::{Vec3, scalar::f32s};
 
+/// Slip that a sticking contact forgives, as a part of `Settings::stick_speed`: it comes from solving row by row.
+const BREAKAWAY: f32 = 0.05;
+
 /// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
 pub(crate) fn store(
     m: &mut ContactManifold,
@@ -26,11 +29,12 @@ pub(crate) fn store(
     stick_speed: f32,
 ) -> f32 {
     let l = l % LANES;
-    let (mut bound, mut hit) = (0.0, 0.0);
+    let (mut bound, mut hit, mut pushed) = (0.0, 0.0, false);
     for (p, rows) in m.points.iter_mut().zip(&block.points).take(usize::from(m.count)) {
         p.impulse = rows.impulse[l];
         p.total_impulse = rows.total[l];
-        bound += rows.impulse[l];
+        bound += rows.total[l];
+        pushed |= rows.impulse[l] > 0.0;
         if rows.total[l] > 0.0 {
             hit = f32s::max(hit, rows.approach[l]);
         }
@@ -48,11 +52,13 @@ pub(crate) fn store(
         t.dot(b.v() - a.v()) + j.b.get(l).dot(b.w()) - j.a.get(l).dot(a.w()) - block.surface_speed[i][l]
     };
     let slip = t1 * slip_along(t1, 0) + t2 * slip_along(t2, 1);
-    let saturated = f1 * f1 + f2 * f2 >= 0.999_998 * (block.mu[l] * bound) * (block.mu[l] * bound);
+    // Over the whole step: within one substep the normal impulse of a rocking body may dip, which means nothing.
+    let used = m.total_friction.length_squared();
+    let saturated = used >= 0.999 * (block.mu[l] * bound) * (block.mu[l] * bound);
     let speed = slip.length();
-    if bound > 0.0 {
+    if pushed {
         m.stick = if m.stick {
-            !saturated || speed < 1e-6
+            !saturated || speed < BREAKAWAY * stick_speed
         } else {
             let slowing = speed <= m.slip.length() || m.slip.dot(slip) < 0.0;
             !saturated || m.slip.dot(slip) < 0.0 || (speed < stick_speed && slowing)
