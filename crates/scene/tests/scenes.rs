@@ -6,7 +6,7 @@ use jounce_scene::{LoadOptions, Scene, SceneError, Simulation};
 use std::path::{Path, PathBuf};
 
 /// Steps of each run: the first impacts of most scenes are inside.
-const STEPS: u64 = 60;
+const STEPS: u64 = 120;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -28,7 +28,7 @@ fn load(path: &Path) -> Option<Scene> {
     let options = LoadOptions { assets: root().join("../shared/assets") };
     match Scene::load(path, &options) {
         Ok(scene) => Some(scene),
-        Err(e @ SceneError::Skipped { .. }) => {
+        Err(e @ SceneError::Skipped(_)) => {
             eprintln!("skipped: {e}");
             None
         }
