@@ -3,6 +3,7 @@
 mod common;
 
 use common::rng::Rng;
+use jounce::math::scalar::f64s::max;
 use jounce::math::{DVec3, Mat3};
 use jounce::prelude::*;
 use jounce::{Settings, Stage, StageObserver};
@@ -58,8 +59,8 @@ fn an_isolated_swarm_keeps_its_linear_momentum() {
         let (before, size) = (world.momentum(), scale(&world));
         world.step().expect("steps");
         touched += world.counts().touching;
-        let (after, size) = (world.momentum(), size.0.max(scale(&world).0));
-        worst = worst.max((after.linear - before.linear).length() / size);
+        let (after, size) = (world.momentum(), max(size.0, scale(&world).0));
+        worst = max(worst, (after.linear - before.linear).length() / size);
     }
     println!("Σp: worst step {worst:e}, bound {bound:e}");
     assert!(worst <= bound, "Σp changed by {worst:e} of Σ|p| in a step, bound {bound:e}");
@@ -77,8 +78,8 @@ fn an_isolated_swarm_keeps_its_angular_momentum() {
     for _ in 0..600 {
         let (before, size) = (world.momentum(), scale(&world));
         world.step().expect("steps");
-        let (after, size) = (world.momentum(), size.1.max(scale(&world).1));
-        worst = worst.max((after.angular - before.angular).length() / size);
+        let (after, size) = (world.momentum(), max(size.1, scale(&world).1));
+        worst = max(worst, (after.angular - before.angular).length() / size);
     }
     println!("ΣL: worst step {worst:e}, bound {bound:e}");
     assert!(worst <= bound, "ΣL changed by {worst:e} of Σ|L| in a step, bound {bound:e}");
@@ -103,7 +104,7 @@ fn a_dissipative_pile_never_gains_energy() {
         let before = world.energy().total();
         world.step().expect("steps");
         let gain = world.energy().total() - before;
-        worst = worst.max(gain);
+        worst = max(worst, gain);
         assert!(gain <= lift, "step {step}: gained {gain} J, pushing out lifts at most {lift}");
     }
     println!("largest gain {worst} J of {first} J; pushing out allows {lift} a step");
@@ -133,8 +134,8 @@ fn spin(name: &str, inertia: Vec3, w: Vec3) {
     for _ in 0..steps {
         world.step().expect("steps");
         let l = world.momentum().angular;
-        length = length.max((l.length() / start.length() - 1.0).abs());
-        turned = turned.max((l - start).length() / start.length());
+        length = max(length, (l.length() / start.length() - 1.0).abs());
+        turned = max(turned, (l - start).length() / start.length());
     }
     let e = world.energy().kinetic / energy - 1.0;
     println!("{name}: {steps} steps: |L| drifts {length:e}, L turns {turned:e}, energy {e:e}");
