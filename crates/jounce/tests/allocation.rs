@@ -90,7 +90,7 @@ fn world() -> World {
 
 /// Kicks what sleeps on the floor now and then, without a command's box.
 fn kick(world: &mut World, bodies: &[BodyId], step: usize) {
-    if step % 60 == 0 {
+    if step.is_multiple_of(60) {
         for &b in &bodies[bodies.len() - 8..] {
             world.set_velocity(b, Vec3::new(0.0, 2.0, 0.0)).expect("alive");
         }

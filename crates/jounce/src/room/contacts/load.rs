@@ -19,19 +19,22 @@ use jounce_math::{Vec3, scalar::f32s};
 
 /// Ratio of load to weight from which a body counts as squeezed, and from which it is treated in full.
 const RATIO: [f32; 2] = [20.0, 40.0];
+/// Approach speed of a contact, m/s, from which the body counts as hit and not as squeezed: bodies that run into it would find
+/// the raised mass, and lose momentum to it; and the impulses would start the next step of the true mass.
+const HIT_SPEED: f32 = 0.5;
 /// Most that a mass is raised by.
 const RAISE_MAX: f32 = 1e4;
 
-/// Lowers inverse masses of squeezed bodies for this step. `sums` is scratch: (Σ|λ|, Σ λ n) by row.
+/// Lowers inverse masses of squeezed bodies for this step. `sums` is scratch: (Σ|λ|, Σ λ n, fastest approach) by row.
 pub(crate) fn raise(
     contacts: &[Contact],
     frames: &[BodyFrame],
     awake: &mut Awake,
-    sums: &mut Vec<(f32, Vec3)>,
+    sums: &mut Vec<(f32, Vec3, f32)>,
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
     sums.clear();
-    sums.resize(awake.state.len(), (0.0, Vec3::ZERO));
+    sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
     for c in contacts.iter().filter(|c| c.touching) {
         let rows = [frames[c.body_a as usize].row, frames[c.body_b as usize].row];
         for m in c.manifolds() {
@@ -43,6 +46,7 @@ pub(crate) fn raise(
                 if let Some(s) = sums.get_mut(row as usize) {
                     s.0 += total;
                     s.1 += m.normal * (sign * total);
+                    s.2 = f32s::max(s.2, c.hit_speed);
                 }
             }
         }
@@ -50,7 +54,7 @@ pub(crate) fn raise(
     for ((sum, step), inertia) in sums.iter().zip(&mut awake.step).zip(&mut awake.inertia) {
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);
         let ratio = load * step.inv_mass / gravity;
-        if !(ratio > RATIO[0] && inertia.inv_mass > 0.0) {
+        if !(ratio > RATIO[0] && inertia.inv_mass > 0.0 && sum.2 < HIT_SPEED) {
             continue;
         }
         let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
