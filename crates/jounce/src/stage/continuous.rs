@@ -2,7 +2,8 @@
 //! shape). It keeps its velocity; the next step's contact takes it from there.
 //!
 //! Where the body already touched the shape at the start (it rests or slides on it), its whole outline would stop at once; then only
-//! a ball of half the inner radius at its centre is swept: it cannot get through.
+//! a ball of half the inner radius at its centre is swept: it cannot get through. A ball that is in the surface already stays where it is
+//! rather than go deeper.
 
 use super::{Step, broadphase};
 use crate::edit::world_bounds;
@@ -104,8 +105,18 @@ fn core_hit(world: &World, body: u32, a: &Shape, sweep: &Sweep) -> f32 {
     let core = Sweep { local_center: Vec3::ZERO, ..*sweep };
     match time_of_impact(a, &Shape::Sphere { radius }, &core, 0.1 * radius, 0.05 * radius) {
         TimeOfImpact::Hit(t) | TimeOfImpact::Failed(t) if t > 0.0 => t,
+        TimeOfImpact::Separated => 1.0,
+        _ if goes_deeper(a, sweep) => 0.0,
         _ => 1.0,
     }
+}
+
+/// The core is in the surface already: does this motion take it farther in?
+fn goes_deeper(a: &Shape, sweep: &Sweep) -> bool {
+    let [from, to] = sweep.center;
+    let Some(near) = a.closest_point(from) else { return false };
+    let out = if near.distance < 0.0 { near.normal } else { (from - near.point).normalize_or(near.normal) };
+    out.dot(to - from) < 0.0
 }
 
 fn sweep_between(start: &Pose, end: &Pose, local_center: Vec3) -> Sweep {

@@ -124,7 +124,9 @@ fn test(
     let in_a = Pose::new(ra.pose.p - fa.local_center, ra.pose.q);
     let in_b = Pose::new(rb.pose.p - fb.local_center, rb.pose.q);
     let b_in_a = in_a.relative(&pose.compose(&in_b));
-    let bouncy = ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
+    // Pairs that must be seen a step ahead: those that bounce, and bullets, which may run after what runs away.
+    let bullet = world.bodies[c.body_a].bullet || world.bodies[c.body_b].bullet;
+    let bouncy = bullet || ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
     collide(&ra.shape, &rb.shape, &b_in_a, margin(world, c, bouncy, dt), &mut c.cache, set);
     c.tested = true;
     c.tested_pose = *pose;

@@ -19,7 +19,11 @@ fn bounds(world: &mut World, step: &Step) {
     let sweep = world.bouncy > 0;
     for row in 0..world.awake.step.len() {
         let body = world.awake.step[row].body;
-        let motion = if sweep { world.awake.state[row].v() * step.dt } else { jounce_math::Vec3::ZERO };
+        let motion = if sweep || world.bodies[body].bullet {
+            world.awake.state[row].v() * step.dt
+        } else {
+            jounce_math::Vec3::ZERO
+        };
         for i in 0..world.bodies[body].shapes.len() {
             let s = world.bodies[body].shapes[i];
             let Place::MovingTree(leaf) = world.shapes[s].place else {
