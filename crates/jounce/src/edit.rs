@@ -523,6 +523,7 @@ impl World {
             body: slot,
             sleep_timer: 0.0,
             sleep_speed: 0.0,
+            raised: 1.0,
             target: None,
             guided: false,
             momentum: None,

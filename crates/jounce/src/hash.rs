@@ -95,6 +95,7 @@ impl World {
             h.vec3(s.force);
             h.vec3(s.torque);
             h.floats(s.sleep_timer, t.xx);
+            h.floats(s.raised, t.inv_mass);
         }
         for (i, s) in self.shapes.iter() {
             hash_shape(&mut h, i, s);

@@ -19,7 +19,7 @@ const STEP_TIME_MAX: Duration = Duration::from_secs(5);
 
 /// Worlds in which the solver drives some body out of the finite numbers and quarantine takes it out. This is a miss that is
 /// known (light bodies jammed between ones up to 1e10 times as heavy): the number may shrink and not grow.
-const QUARANTINE_PERCENT_MAX: usize = 3;
+const QUARANTINE_PERCENT_MAX: usize = 1;
 
 /// What a world went through.
 #[derive(Clone, Copy, Debug, Default)]

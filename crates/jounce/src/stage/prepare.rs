@@ -31,8 +31,11 @@ pub(crate) fn run(world: &mut World, step: &Step) {
 }
 
 fn raise_squeezed(world: &mut World, step: &Step) {
-    let g = world.gravity.length();
-    let gravity = if g > 0.0 { g } else { 9.81 * world.settings.length_unit };
+    let gravity = world.gravity.length();
+    // Without weight nothing rests heavily on anything, and momentum is exact.
+    if gravity == 0.0 {
+        return;
+    }
     let omega = 2.0 * core::f32::consts::PI * world.settings.contact_hertz;
     let mut sums = core::mem::take(&mut world.scratch.loads);
     let numbers = [gravity, world.settings.slop(), omega, step.dt];

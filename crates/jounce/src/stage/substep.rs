@@ -62,12 +62,19 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
 }
 
 fn poses(world: &mut World, step: &Step) {
+    let limits = speed_limits(world, step);
     let a = &mut world.awake;
-    for ((s, b), i) in a.state.iter().zip(&mut a.step).zip(&mut a.inertia) {
+    for ((s, b), i) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia) {
         let body = &world.bodies[b.body];
         let frame = &mut world.frames[b.body as usize];
-        rigid::finish(s, b, i, frame, &body.mass, body.can_sleep, step.dt);
+        rigid::finish(s, b, i, frame, &body.mass, body.can_sleep, step.dt, limits);
     }
+}
+
+/// Fastest speed, m/s, and spin, rad/s.
+fn speed_limits(world: &World, step: &Step) -> [f32; 2] {
+    let s = &world.settings;
+    [s.linear_speed_max * s.length_unit, s.rotation_per_step_max / step.dt]
 }
 
 fn impacts(world: &mut World, step: &Step) {
@@ -92,11 +99,8 @@ fn velocities(world: &mut World, step: &Step) {
 }
 
 fn positions(world: &mut World, step: &Step) {
-    let sub = Substep {
-        h: step.constants.h,
-        linear_speed_max: world.settings.linear_speed_max * world.settings.length_unit,
-        angular_speed_max: world.settings.rotation_per_step_max / step.dt,
-    };
+    let [linear_speed_max, angular_speed_max] = speed_limits(world, step);
+    let sub = Substep { h: step.constants.h, linear_speed_max, angular_speed_max };
     let (bodies, frames) = (&world.bodies, &world.frames);
     world.tasks.for_each2(&mut world.awake.state, &mut world.awake.step, BODIES, |_, s, b| {
         integrate_position(s, b, bodies, frames, &sub);

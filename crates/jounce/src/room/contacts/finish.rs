@@ -3,8 +3,7 @@
 //! Static and kinetic friction. A manifold either *sticks* (bound μ_s N) or *slides* (bound μ_k N), decided here at the end of a
 //! step and remembered:
 //!
-//! * stick → slide when the friction impulse of the step reached its bound, and the surfaces all the same slip faster than
-//!   `Settings::stick_speed` and ever faster (while a body settles, normal impulses build up and friction falls short for a moment);
+//! * stick → slide when the friction impulse of the step reached its bound, and the surfaces all the same slip, ever faster (while a body settles, normal impulses build up and friction falls short for a moment);
 //! * slide → stick when friction stopped the slip within its bound, when the slip turned round, or when it is slower than
 //!   `Settings::stick_speed` and not speeding up;
 //! * a new manifold starts stuck below that speed.
@@ -16,6 +15,9 @@ use super::rows::{Block, LANES};
 use super::state::ContactManifold;
 use crate::room::rigid::state::BodyState;
 use jounce_math::{Vec3, scalar::f32s};
+
+/// Slip that a sticking contact forgives, as a part of `Settings::stick_speed`: it comes from solving row by row.
+const BREAKAWAY: f32 = 0.1;
 
 /// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
 pub(crate) fn store(
@@ -56,7 +58,7 @@ pub(crate) fn store(
     let speed = slip.length();
     if pushed {
         m.stick = if m.stick {
-            !saturated || speed < stick_speed || speed <= m.slip.length()
+            !saturated || speed < BREAKAWAY * stick_speed || speed <= m.slip.length()
         } else {
             let slowing = speed <= m.slip.length() || m.slip.dot(slip) < 0.0;
             !saturated || m.slip.dot(slip) < 0.0 || (speed < stick_speed && slowing)

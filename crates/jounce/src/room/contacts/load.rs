@@ -25,6 +25,10 @@ const HIT_SPEED: f32 = 0.5;
 /// Most that a mass is raised by.
 const RAISE_MAX: f32 = 1e4;
 
+/// A raised mass falls by at most this factor a step: the impulses that balance it now start the next step, and would throw
+/// the body away if it were light again at once.
+const FALL: f32 = 0.5;
+
 /// Lowers inverse masses of squeezed bodies for this step. `sums` is scratch: (Σ|λ|, Σ λ n, fastest approach) by row.
 pub(crate) fn raise(
     contacts: &[Contact],
@@ -54,12 +58,17 @@ pub(crate) fn raise(
     for ((sum, step), inertia) in sums.iter().zip(&mut awake.step).zip(&mut awake.inertia) {
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);
         let ratio = load * step.inv_mass / gravity;
-        if !(ratio > RATIO[0] && inertia.inv_mass > 0.0 && sum.2 < HIT_SPEED) {
+        let mut raised = f32s::max(step.raised * FALL, 1.0);
+        if ratio > RATIO[0] && sum.2 < HIT_SPEED {
+            let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
+            let full = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
+            raised = f32s::max(raised, 1.0 + part * (full - 1.0));
+        }
+        step.raised = raised;
+        if raised == 1.0 || inertia.inv_mass == 0.0 {
             continue;
         }
-        let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
-        let wanted = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
-        let factor = 1.0 / (1.0 + part * (wanted - 1.0));
+        let factor = 1.0 / raised;
         for v in [&mut inertia.inv_mass, &mut inertia.xx, &mut inertia.yy, &mut inertia.zz] {
             *v *= factor;
         }

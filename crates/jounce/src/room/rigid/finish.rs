@@ -4,17 +4,19 @@ use super::desc::BodyKind;
 use super::state::{BodyFrame, BodyState, BodyStep, InvInertia, Mass};
 use jounce_math::{Vec3, scalar::f32s};
 
-/// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point.
+/// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point. `limits`
+/// are those of speed and spin.
 pub(crate) fn finish(
-    s: &BodyState,
+    state: &mut BodyState,
     b: &mut BodyStep,
     i: &mut InvInertia,
     f: &mut BodyFrame,
     mass: &Mass,
     can_sleep: bool,
     dt: f32,
+    limits: [f32; 2],
 ) {
-    let s = s.get();
+    let mut s = state.get();
     f.center = f.center0 + s.dp.as_dvec3();
     f.rotation = (s.dq * f.rotation0).normalize();
     if let (BodyKind::Kinematic, Some(target)) = (b.kind, b.target.take()) {
@@ -23,6 +25,17 @@ pub(crate) fn finish(
     }
     *i = InvInertia::new(f.rotation, &mass.inv_inertia, b.inv_mass, b.locks);
     (b.force, b.torque) = (Vec3::ZERO, Vec3::ZERO);
+    // Restitution and the relaxing pass come after the limits of the last substep.
+    let v2 = s.v.length_squared();
+    if v2 > limits[0] * limits[0] {
+        s.v *= limits[0] / v2.sqrt();
+        state.put(&s);
+    }
+    let w2 = s.w.length_squared();
+    if w2 > limits[1] * limits[1] && !b.fast_rotation {
+        s.w *= limits[1] / w2.sqrt();
+        state.put(&s);
+    }
     let speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
     b.sleep_timer = if can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
 }

@@ -188,6 +188,8 @@ pub(crate) struct BodyStep {
     pub fast_rotation: bool,
     /// Body slot.
     pub body: u32,
+    /// How many times its mass the body was given in the last step, for the load it carries; 1 as a rule.
+    pub raised: f32,
     /// Seconds at rest.
     pub sleep_timer: f32,
     pub sleep_speed: f32,
