@@ -3,7 +3,8 @@
 //! Static and kinetic friction. A manifold either *sticks* (bound μ_s N) or *slides* (bound μ_k N), decided here from the last
 //! substep and remembered:
 //!
-//! * stick → slide when the friction impulse reached its bound;
+//! * stick → slide when the friction impulse reached its bound and the slip its speed, `Settings::stick_speed`: a contact that is
+//!   only settling reaches the bound for a substep, and would slide for ever at μ_k;
 //! * slide → stick when friction stopped the slip within its bound, when the slip turned round, or when it is slower than
 //!   `Settings::stick_speed` and not speeding up;
 //! * a new manifold starts stuck below that speed.
@@ -52,7 +53,7 @@ pub(crate) fn store(
     let speed = slip.length();
     if bound > 0.0 {
         m.stick = if m.stick {
-            !saturated || speed < 1e-6
+            !saturated || speed < stick_speed
         } else {
             let slowing = speed <= m.slip.length() || m.slip.dot(slip) < 0.0;
             !saturated || m.slip.dot(slip) < 0.0 || (speed < stick_speed && slowing)
