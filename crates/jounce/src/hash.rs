@@ -96,6 +96,18 @@ impl World {
             h.vec3(s.torque);
             h.floats(s.sleep_timer, t.xx);
             h.floats(s.raised, t.inv_mass);
+            h.pair(
+                u32::from(s.guided),
+                u32::from(s.momentum.is_some()) | (u32::from(s.target.is_some()) << 1),
+            );
+            if let Some((l, w)) = s.momentum {
+                h.dvec3(l);
+                h.vec3(w);
+            }
+            if let Some(target) = s.target {
+                h.dvec3(target.p);
+                h.quat(target.q);
+            }
         }
         for (i, s) in self.shapes.iter() {
             hash_shape(&mut h, i, s);
@@ -152,8 +164,10 @@ fn hash_contact(h: &mut StateHasher, c: &Contact) {
     h.pair(c.shape_a, c.shape_b);
     h.pair(c.id, u32::from(c.touching) | (u32::from(c.tested) << 1));
     h.pose(&c.tested_pose);
+    c.tested_rotations.into_iter().for_each(|q| h.quat(q));
     for m in c.manifolds() {
         h.vec3(m.normal);
+        h.vec3(m.offset);
         h.pair(u32::from(m.count), u32::from(m.stick));
         h.vec3(m.friction);
         h.vec3(m.rolling);
@@ -161,6 +175,8 @@ fn hash_contact(h: &mut StateHasher, c: &Contact) {
         h.floats(m.twist, m.surface.static_friction);
         for p in m.points.iter().take(usize::from(m.count)) {
             h.vec3(p.on_a);
+            h.vec3(p.on_b);
+            h.vec3(p.arm);
             h.floats(p.separation, p.impulse);
             h.pair(p.feature, p.total_impulse.to_bits());
         }

@@ -47,6 +47,8 @@ impl<'a> Core<'a> {
         match self {
             Core::Hull(h) => h.center(),
             Core::Triangle(t) => (t[0] + t[1] + t[2]) * (1.0 / 3.0),
+            // The centroid: the origin is halfway up, near the surface, and soon behind a floor that the cone lies on.
+            Core::Cone(h, _) => Vec3::new(0.0, -0.5 * h, 0.0),
             _ => Vec3::ZERO,
         }
     }

@@ -10,11 +10,14 @@ use crate::edit::world_bounds;
 use crate::room::contacts::state::Place;
 use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
-use jounce_geometry::{Aabb, Shape, Sweep, TimeOfImpact, time_of_impact};
+use jounce_geometry::{Aabb, Manifold, PairCache, Shape, Sweep, TimeOfImpact, collide, time_of_impact};
 use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
+use std::sync::PoisonError;
 
 /// A body that moved less than this part of its inner radius cannot have passed anything.
 const FAST: f32 = 0.5;
+/// Part of the inner radius that a sliding body may sink in within a step.
+const GRAZE: f32 = 0.25;
 
 pub(crate) fn run(world: &mut World, _: &Step) {
     if !world.settings.continuous {
@@ -91,10 +94,32 @@ fn meet(world: &World, s: u32, other: u32) -> f32 {
     let local_center = rb.pose.inverse_transform_point(fb.local_center);
     let sweep = sweep_between(&start, &end, local_center);
     match time_of_impact(&ra.shape, &rb.shape, &sweep, target, 0.25 * target) {
+        TimeOfImpact::Hit(t) if t > 1e-4 && grazes(world, [s, other], &sweep, t, 2.0 * target) => {
+            core_hit(world, rb.body, &ra.shape, &sweep)
+        }
         TimeOfImpact::Hit(t) | TimeOfImpact::Failed(t) if t > 1e-4 => t,
         TimeOfImpact::Separated => 1.0,
         _ => core_hit(world, rb.body, &ra.shape, &sweep),
     }
+}
+
+/// Does the body, from the time of impact on, only slide along the surface? Every point that touches then goes less deep
+/// than a part of the inner radius: nothing passes, and the contacts of the next step push it out. Stopping it would take
+/// away its way but not its speed, and gravity would go on adding to that.
+fn grazes(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, margin: f32) -> bool {
+    let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
+    let Some(set) = world.scratch.sets.0.first() else { return false };
+    let mut set = set.lock().unwrap_or_else(PoisonError::into_inner);
+    let (then, end) = (sweep.pose(t), sweep.pose(1.0));
+    collide(&ra.shape, &rb.shape, &then, margin, &mut PairCache::default(), &mut set);
+    let limit = GRAZE * world.bodies[rb.body].mass.inner_radius;
+    let shallow = |m: &Manifold| {
+        m.points().iter().all(|p| {
+            let moved = end.transform_point(then.inverse_transform_point(p.point)) - p.point;
+            -m.normal.dot(moved) < limit
+        })
+    };
+    !set.manifolds.is_empty() && set.manifolds.iter().all(shallow)
 }
 
 fn core_hit(world: &World, body: u32, a: &Shape, sweep: &Sweep) -> f32 {

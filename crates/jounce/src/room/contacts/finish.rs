@@ -3,7 +3,8 @@
 //! Static and kinetic friction. A manifold either *sticks* (bound μ_s N) or *slides* (bound μ_k N), decided here at the end of a
 //! step and remembered:
 //!
-//! * stick → slide when the friction impulse of the step reached its bound, and the surfaces all the same slip, ever faster (while a body settles, normal impulses build up and friction falls short for a moment);
+//! * stick → slide when the friction impulse of the step reached its bound, and the surfaces all the same slip, ever faster
+//!   (while a body settles, normal impulses build up and friction falls short for a moment);
 //! * slide → stick when friction stopped the slip within its bound, when the slip turned round, or when it is slower than
 //!   `Settings::stick_speed` and not speeding up;
 //! * a new manifold starts stuck below that speed.
