@@ -54,7 +54,7 @@ pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
 pub use room::contacts::state::Surface;
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use settings::{Settings, WorldDesc};
-pub use step::{Stage, StageObserver};
+pub use step::{Stage, StageHashes, StageObserver};
 pub use view::{BodyRef, ShapeRef};
 pub use world::{Advance, Counts, Energy, Momentum, World};
 

@@ -82,6 +82,32 @@ pub trait StageObserver {
     fn after(&mut self, stage: Stage, world: &World);
 }
 
+/// The state hash after every stage: where two runs part, the first stage that differs is the one to look at.
+///
+/// ```
+/// use jounce::{StageHashes, prelude::*};
+///
+/// # fn main() -> jounce::Result<()> {
+/// let (mut a, mut b) = (World::new(WorldDesc::default())?, World::new(WorldDesc::default())?);
+/// let (mut seen_a, mut seen_b) = (StageHashes::default(), StageHashes::default());
+/// a.step_observed(&mut seen_a)?;
+/// b.step_observed(&mut seen_b)?;
+/// assert_eq!(seen_a.hashes, seen_b.hashes);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct StageHashes {
+    /// Stage and hash, in order, over all steps observed.
+    pub hashes: Vec<(Stage, u64)>,
+}
+
+impl StageObserver for StageHashes {
+    fn after(&mut self, stage: Stage, world: &World) {
+        self.hashes.push((stage, world.hash()));
+    }
+}
+
 struct Nobody;
 
 impl StageObserver for Nobody {
