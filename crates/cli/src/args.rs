@@ -143,7 +143,7 @@ pub struct VerifyArgs {
 pub struct BenchArgs {
     /// Only scenes whose name holds this word [default: large_pyramid]
     pub filter: Option<String>,
-    /// Other engines to run beside ours: box3d, rapier
+    /// Other engines to run beside ours: folders of bench/peers, such as box3d
     #[arg(long, value_name = "ENGINE", value_delimiter = ',')]
     pub against: Vec<String>,
     /// Numbers of threads to run with

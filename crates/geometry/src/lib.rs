@@ -1,6 +1,6 @@
 //! Shapes and questions about them. Knows no bodies and no time.
 //!
-//! Everything is `f32` in the frame of a shape; a pair of shapes is described by the [`Pose`] of B in the
+//! Everything is `f32` in the frame of a shape; a pair of shapes is described by the pose of B in the
 //! frame of A, so a pair far from the world's origin is as exact as one at it.
 //!
 //! * [`Shape`]: the shapes, their bounds, mass properties, ray casts and closest points.

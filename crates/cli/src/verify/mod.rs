@@ -1,6 +1,6 @@
 //! `jounce verify`: every law beside its closed form or measured data.
 //!
-//! A *law* runs the engine and gives rows; [`LAWS`] lists them all, one module per topic. A row's tolerance is a
+//! A *law* runs the engine and gives rows; `LAWS` lists them all, one module per topic. A row's tolerance is a
 //! formula of the method (order of the integrator × step, contact slop), written where the row is made; it is
 //! never what happened to come out.
 

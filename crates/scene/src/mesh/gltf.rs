@@ -515,7 +515,7 @@ impl Column {
     }
 }
 
-/// A relative path, percent-decoded; none for other places.
+/// A path within the folder of the file, percent-decoded; none for other places.
 fn relative(uri: &str) -> Option<String> {
     if uri.contains("://") || uri.contains('\\') || uri.contains('\0') {
         return None;
@@ -533,6 +533,10 @@ fn relative(uri: &str) -> Option<String> {
         }
     }
     let path = String::from_utf8(bytes).ok()?;
+    // A mesh of strangers must not read what lies outside its folder.
+    if std::path::Path::new(&path).components().any(|c| c == std::path::Component::ParentDir) {
+        return None;
+    }
     (!path.is_empty() && std::path::Path::new(&path).is_relative() && !path.contains('\0')).then_some(path)
 }
 

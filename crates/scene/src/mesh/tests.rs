@@ -181,6 +181,12 @@ fn gltf_finds_its_buffers() {
     assert_eq!(other, m);
     assert!(refused("a.gltf", json("gone.bin").as_bytes()).starts_with("gone.bin: there is no such file"));
     assert!(refused("a.gltf", json("/etc/passwd").as_bytes()).contains("names `/etc/passwd`"));
+    for outside in ["../secret.bin", "a/../../secret.bin", "%2e%2e/secret.bin"] {
+        assert!(
+            refused("a.gltf", json(outside).as_bytes()).contains("expected a file beside the glTF"),
+            "{outside}"
+        );
+    }
     assert!(
         refused("a.gltf", json("data:;base64,AAAA").as_bytes()).contains("declares 15 bytes, 3 are there")
     );

@@ -20,7 +20,7 @@ pub enum BodyTypeSpec {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodySpec {
-    /// Name for probes and the timeline; with `repeat` or `scatter` the copies are name[0], name[1], ….
+    /// Name for probes and the timeline; with `repeat` or `scatter` the copies are `name[0]`, `name[1]`, ….
     pub name: Option<String>,
     /// How the body moves.
     #[serde(rename = "type")]
@@ -135,7 +135,7 @@ pub struct JitterSpec {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ScatterSpec {
-    /// Name of the whole group; body n is also name[n].
+    /// Name of the whole group; body n is also `name[n]`.
     pub name: Option<String>,
     /// Number of bodies.
     pub count: u64,
