@@ -3,7 +3,8 @@
 use crate::{Note, Outcome, Part, cargo, files, program, root, run};
 use std::process::Stdio;
 
-const PARTS: &[Part] = &[
+/// Everything `cargo xtask ci` runs.
+pub const PARTS: &[Part] = &[
     ("files", files::check),
     ("fmt", fmt),
     ("clippy", clippy),
@@ -14,20 +15,6 @@ const PARTS: &[Part] = &[
     ("showcase", program::showcase),
     ("verify", program::verify),
 ];
-
-/// All parts, or those named.
-pub fn parts(names: &[String]) -> Result<Vec<Part>, String> {
-    if names.is_empty() {
-        return Ok(PARTS.to_vec());
-    }
-    let find = |name: &String| {
-        PARTS.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
-            let known: Vec<_> = PARTS.iter().map(|(name, _)| *name).collect();
-            format!("no part \"{name}\"; expected one of {}", known.join(", "))
-        })
-    };
-    names.iter().map(find).collect()
-}
 
 /// Whether this cargo has the subcommand: components of the toolchain can be absent.
 fn has(subcommand: &str) -> bool {

@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::time::Instant;
 
-const USAGE: &str = "usage: cargo xtask ci [PART…]   what every change must pass, or only some parts of it
-       cargo xtask prove        the long runs: full counts, debug and release
-       cargo xtask files        sizes and texts of the tracked files
+const USAGE: &str = "usage: cargo xtask ci [PART…]     what every change must pass, or only some parts of it
+       cargo xtask prove [PART…]  the long runs: full counts, debug and release
+       cargo xtask files          sizes and texts of the tracked files
 
-parts of ci: files fmt clippy own doctest doc scenes showcase verify";
+parts of ci: files fmt clippy own doctest doc scenes showcase verify
+parts of prove: checked release steps hashes laws";
 
 /// What a part of a run came to; `Err` says what failed.
 pub type Outcome = Result<Note, String>;
@@ -33,8 +34,8 @@ fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let rest = words.get(1..).unwrap_or_default();
     let result = match words.first().map(String::as_str) {
-        Some("ci") => ci::parts(rest).and_then(|parts| run_parts(&parts)),
-        Some("prove") if rest.is_empty() => run_parts(prove::PARTS),
+        Some("ci") => named(ci::PARTS, rest).and_then(|parts| run_parts(&parts)),
+        Some("prove") => named(prove::PARTS, rest).and_then(|parts| run_parts(&parts)),
         Some("files") if rest.is_empty() => run_parts(&[("files", files::check)]),
         _ => Err(USAGE.to_string()),
     };
@@ -45,6 +46,20 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// All parts, or those named.
+fn named(all: &[Part], names: &[String]) -> Result<Vec<Part>, String> {
+    if names.is_empty() {
+        return Ok(all.to_vec());
+    }
+    let find = |name: &String| {
+        all.iter().find(|(known, _)| known == name).copied().ok_or_else(|| {
+            let known: Vec<_> = all.iter().map(|(name, _)| *name).collect();
+            format!("no part \"{name}\"; expected one of {}", known.join(", "))
+        })
+    };
+    names.iter().map(find).collect()
 }
 
 /// Runs every part, also after one has failed, and closes with a table of all.
