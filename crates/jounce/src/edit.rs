@@ -526,8 +526,8 @@ impl World {
             raised: 1.0,
             target: None,
             guided: false,
-            momentum: None,
         });
+        self.awake.turning.push(None);
         self.awake.inertia.push(InvInertia::default());
         self.refresh_row(slot);
         self.refresh_inertia(slot);
@@ -538,6 +538,7 @@ impl World {
         let row = self.bodies[slot].row as usize;
         let state = self.awake.state.swap_remove(row);
         self.awake.step.swap_remove(row);
+        self.awake.turning.swap_remove(row);
         self.awake.inertia.swap_remove(row);
         if let Some(moved) = self.awake.step.get(row) {
             self.bodies[moved.body].row = row as u32;
@@ -560,7 +561,9 @@ impl World {
         r.isotropic = b.mass.isotropic;
         r.fast_rotation = b.fast_rotation;
         r.sleep_speed = b.sleep_speed.unwrap_or(self.settings.sleep_speed * self.settings.length_unit);
-        r.momentum = None;
+        if let Some(t) = self.awake.turning.get_mut(b.row as usize) {
+            *t = None;
+        }
     }
 
     pub(crate) fn refresh_inertia(&mut self, slot: u32) {

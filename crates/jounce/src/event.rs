@@ -66,6 +66,12 @@ pub enum Event {
         /// The body.
         body: BodyId,
     },
+    /// A body reached the speed limit `Settings::linear_speed_max` or the spin limit `Settings::rotation_per_step_max` and was
+    /// held to it; in every step in which that was so.
+    SpeedLimited {
+        /// The body.
+        body: BodyId,
+    },
     /// A bound of [`crate::limits`] was reached inside the step; the step went on without the excess.
     LimitReached {
         /// What was bounded.

@@ -91,18 +91,18 @@ impl World {
             h.vec3(v);
             h.vec3(w);
         }
-        for (s, t) in self.awake.step.iter().zip(&self.awake.inertia) {
+        for ((s, t), turning) in self.awake.step.iter().zip(&self.awake.inertia).zip(&self.awake.turning) {
             h.vec3(s.force);
             h.vec3(s.torque);
             h.floats(s.sleep_timer, t.xx);
             h.floats(s.raised, t.inv_mass);
-            h.pair(
-                u32::from(s.guided),
-                u32::from(s.momentum.is_some()) | (u32::from(s.target.is_some()) << 1),
-            );
-            if let Some((l, w)) = s.momentum {
-                h.dvec3(l);
-                h.vec3(w);
+            h.pair(u32::from(s.guided), u32::from(turning.is_some()) | (u32::from(s.target.is_some()) << 1));
+            if let Some(t) = turning {
+                h.dvec3(t.momentum);
+                h.vec3(t.w);
+                [t.q.x, t.q.y, t.q.z, t.q.w].into_iter().for_each(|x| h.double(x));
+                h.quat(t.rotation);
+                h.quat(t.dq);
             }
             if let Some(target) = s.target {
                 h.dvec3(target.p);
@@ -202,6 +202,7 @@ fn hash_event(h: &mut StateHasher, e: &Event) {
         Event::Sleep { body } => [6, body.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::Wake { body } => [7, body.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::Quarantine { body } => [8, body.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::SpeedLimited { body } => [10, body.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::LimitReached { what } => h.word(0x900 + what.len() as u64),
     }
 }

@@ -388,3 +388,18 @@ fn a_world_is_send_sync_clone_and_a_clone_has_the_same_future() {
         assert_ne!(copy.hash(), w.hash());
     }
 }
+
+#[test]
+fn a_body_held_to_the_speed_limit_is_reported_every_step() {
+    let mut w = world();
+    let fast = BodyDesc::dynamic().at([0.0, 50.0, 0.0]).velocity([1e3, 0.0, 0.0]).gravity_scale(0.0);
+    let fast = w.add_body(fast.shape(ShapeDesc::sphere(0.5))).expect("a fast ball");
+    let slow = BodyDesc::dynamic().at([0.0, 60.0, 0.0]).velocity([399.0, 0.0, 0.0]).gravity_scale(0.0);
+    w.add_body(slow.shape(ShapeDesc::sphere(0.5))).expect("a ball below the limit");
+    for _ in 0..3 {
+        w.step().expect("steps");
+        assert_eq!(w.events(), [Event::SpeedLimited { body: fast }]);
+    }
+    let v = w.body(fast).expect("alive").velocity().length();
+    assert!((v - w.settings().linear_speed_max).abs() < 0.01, "{v}");
+}

@@ -132,6 +132,7 @@ fn is_kind(e: &Event, kind: EventSpec) -> bool {
             | (Event::Sleep { .. }, EventSpec::Sleep)
             | (Event::Wake { .. }, EventSpec::Wake)
             | (Event::Quarantine { .. }, EventSpec::Quarantine)
+            | (Event::SpeedLimited { .. }, EventSpec::SpeedLimited)
             | (Event::LimitReached { .. }, EventSpec::LimitReached)
     )
 }
@@ -147,7 +148,10 @@ fn concerns(e: &Event, target: &Target, records: &Records, world: &World) -> boo
         Event::SensorEnter { sensor, visitor } | Event::SensorLeave { sensor, visitor } => {
             shape(sensor) || shape(visitor)
         }
-        Event::Sleep { body: b } | Event::Wake { body: b } | Event::Quarantine { body: b } => body(b),
+        Event::Sleep { body: b }
+        | Event::Wake { body: b }
+        | Event::Quarantine { body: b }
+        | Event::SpeedLimited { body: b } => body(b),
         _ => false,
     }
 }

@@ -215,25 +215,28 @@ impl ColorSets {
         });
     }
 
-    /// Solves the overflow list: calls `f(access, row, data)` for its rows one after another, in push order.
+    /// Solves the overflow list: calls `f(access, row, block)` for its rows one after another, in push order; `blocks[i]`
+    /// belongs to rows `i * block ..`.
     ///
     /// # Panics
-    /// If `items` is shorter than [`items`](Self::items) or `data` than the list.
+    /// If `block` is 0, `items` is shorter than [`items`](Self::items), or `blocks.len()` is not the number of blocks.
     pub fn scatter_overflow<T: Copy, R>(
         &self,
+        block: usize,
         items: &mut [T],
         fixed: T,
-        data: &mut [R],
+        blocks: &mut [R],
         mut f: impl FnMut(&mut Scatter<'_, T>, usize, &mut R),
     ) {
         assert!(items.len() >= self.masks.len(), "{} items, but rows name {}", items.len(), self.masks.len());
         let rows = self.overflow();
-        assert_eq!(data.len(), rows.len(), "data for the rows of the overflow list");
+        assert!(block > 0, "blocks of no rows");
+        assert_eq!(blocks.len(), rows.len().div_ceil(block), "blocks of {block} for the overflow list");
         let base = items.as_mut_ptr();
-        for (i, data) in data.iter_mut().enumerate() {
+        for i in 0..rows.len() {
             let mut access =
                 Scatter { rows: &rows[i..=i], first: i, items: base, fixed: &fixed, borrow: PhantomData };
-            f(&mut access, i, data);
+            f(&mut access, i, &mut blocks[i / block]);
         }
     }
 }

@@ -70,7 +70,7 @@ fn solve(sets: &ColorSets, tasks: &Tasks, block: usize, items: &mut [f32]) -> Ve
         trace.extend(sums);
     }
     let mut late = vec![0.0f32; sets.overflow().len()];
-    sets.scatter_overflow(items, 0.5, &mut late, |access, row, out| {
+    sets.scatter_overflow(1, items, 0.5, &mut late, |access, row, out| {
         let (a, b) = access.load(row);
         let (a, b) = blend(a, b, access.row(row).payload());
         access.store(row, a, b);

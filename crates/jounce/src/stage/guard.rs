@@ -1,14 +1,16 @@
 //! Quarantine: a body whose state is no longer finite, or out of the world, is put back to its last good pose and
 //! disabled, before anything else can read it. Everything else goes on.
 
-use super::Step;
+use super::{Step, substep};
 use crate::event::Event;
 use crate::limits;
 use crate::world::World;
 use jounce_math::Vec3;
 
-pub(crate) fn run(world: &mut World, _: &Step) {
+pub(crate) fn run(world: &mut World, step: &Step) {
     let mut bad = Vec::new();
+    // A clamped speed is the limit up to rounding.
+    let [linear2, angular2] = substep::speed_limits(world, step).map(|l| 0.9999 * l * l);
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
         let f = &world.frames[b.body as usize];
         let inside = f.center.abs().max_component() <= limits::POSITION_MAX;
@@ -19,6 +21,9 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             && s.w().is_finite())
         {
             bad.push(b.body);
+        } else if s.v().length_squared() >= linear2 || s.w().length_squared() >= angular2 && !b.fast_rotation
+        {
+            world.events.push(Event::SpeedLimited { body: world.body_id(b.body) });
         }
     }
     bad.sort_unstable();

@@ -37,6 +37,9 @@ pub(crate) struct Scratch {
     /// (contact row, manifold) by payload.
     pub rows: Vec<(u32, u32)>,
     pub blocks: Vec<Vec<Block>>,
+    /// Contact rows that are deep, and how many each awake body has.
+    pub deep: Vec<u32>,
+    pub crowd: Vec<u32>,
     pub sets: Sets,
     /// Candidate pairs, one list per unit of the broad phase.
     pub candidates: Vec<Vec<u64>>,

@@ -1,9 +1,9 @@
 //! Colours the manifolds and fills the solver's rows.
 
 use super::Step;
-use crate::room::contacts::load;
 use crate::room::contacts::prepare::{Prepare, Speeds, fill};
 use crate::room::contacts::rows::{Block, LANES};
+use crate::room::contacts::{crowd, load};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -12,18 +12,19 @@ use jounce_tasks::{ColorSets, Row};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     color(world);
+    let (rows, deep) = (world.awake.state.len(), core::mem::take(&mut world.scratch.deep));
+    crowd::share(&mut world.contacts, &deep, &world.frames, &mut world.scratch.crowd, rows);
+    world.scratch.deep = deep;
     raise_squeezed(world, step);
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
     blocks.resize_with(ColorSets::COLORS + 1, Vec::new);
     for (color, list) in blocks.iter_mut().enumerate() {
-        let overflow = color == ColorSets::COLORS;
-        let per_block = if overflow { 1 } else { LANES };
         let rows = world.scratch.colors.rows(color);
-        list.resize_with(rows.len().div_ceil(per_block), Block::default);
+        list.resize_with(rows.len().div_ceil(LANES), Block::default);
         let shared: &World = world;
         shared.tasks.for_each(list, 1, |unit, block| {
-            let from = unit * per_block;
-            let to = (from + per_block).min(rows.len());
+            let from = unit * LANES;
+            let to = (from + LANES).min(rows.len());
             fill_block(shared, block, &rows[from..to], step);
         });
     }
@@ -65,6 +66,7 @@ fn color(world: &mut World) {
     let scratch = &mut world.scratch;
     scratch.colors.reset(world.awake.state.len());
     scratch.rows.clear();
+    scratch.deep.clear();
     let item = |body: u32| match world.frames[body as usize].row {
         NONE => ColorSets::NONE,
         row if world.awake.step[row as usize].kind == BodyKind::Dynamic => row,
@@ -73,6 +75,10 @@ fn color(world: &mut World) {
     for (i, c) in world.contacts.iter_mut().enumerate() {
         if !c.touching {
             continue;
+        }
+        c.share = 1.0;
+        if c.deep {
+            scratch.deep.push(i as u32);
         }
         let (a, b) = (item(c.body_a), item(c.body_b));
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.

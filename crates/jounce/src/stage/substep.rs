@@ -50,8 +50,7 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
         let mut fastest = 0.0;
         for m in c.manifolds_mut() {
             let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
-            let (block, lane) =
-                if color == ColorSets::COLORS { (row, 0) } else { (row / LANES, row % LANES) };
+            let (block, lane) = (row / LANES, row % LANES);
             let hit = finish::store(m, &shared.scratch.blocks[color][block], lane, &a, &b, stick_speed);
             fastest = f32s::max(fastest, hit);
         }
@@ -64,15 +63,15 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
 fn poses(world: &mut World, step: &Step) {
     let limits = speed_limits(world, step);
     let a = &mut world.awake;
-    for ((s, b), i) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia) {
+    for (((s, b), i), t) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia).zip(&mut a.turning) {
         let body = &world.bodies[b.body];
         let frame = &mut world.frames[b.body as usize];
-        rigid::finish(s, b, i, frame, &body.mass, body.can_sleep, step.dt, limits);
+        rigid::finish(s, b, t, i, frame, &body.mass, body.can_sleep, step.dt, limits);
     }
 }
 
 /// Fastest speed, m/s, and spin, rad/s.
-fn speed_limits(world: &World, step: &Step) -> [f32; 2] {
+pub(super) fn speed_limits(world: &World, step: &Step) -> [f32; 2] {
     let s = &world.settings;
     [s.linear_speed_max * s.length_unit, s.rotation_per_step_max / step.dt]
 }
@@ -102,8 +101,10 @@ fn positions(world: &mut World, step: &Step) {
     let [linear_speed_max, angular_speed_max] = speed_limits(world, step);
     let sub = Substep { h: step.constants.h, linear_speed_max, angular_speed_max };
     let (bodies, frames) = (&world.bodies, &world.frames);
-    world.tasks.for_each2(&mut world.awake.state, &mut world.awake.step, BODIES, |_, s, b| {
-        integrate_position(s, b, bodies, frames, &sub);
+    let a = &mut world.awake;
+    let steps = &a.step;
+    world.tasks.for_each2(&mut a.state, &mut a.turning, BODIES, |i, s, turning| {
+        integrate_position(s, &steps[i], turning, bodies, frames, &sub);
     });
 }
 
@@ -125,12 +126,13 @@ fn sweep(world: &mut World, pass: Pass, step: &Step) {
             BodyState::FIXED,
             blocks,
             |access, rows, block| {
-                dispatch(width, Sweep { pass, access, rows, block, constants });
+                dispatch(width, Sweep { pass, access, rows, block, lane: 0, constants });
             },
         );
     }
     let overflow = &mut scratch.blocks[ColorSets::COLORS];
-    scratch.colors.scatter_overflow(states, BodyState::FIXED, overflow, |access, row, block| {
-        dispatch(Width::X1, Sweep { pass, access, rows: row..row + 1, block, constants });
+    scratch.colors.scatter_overflow(LANES, states, BodyState::FIXED, overflow, |access, row, block| {
+        let lane = row % LANES;
+        dispatch(Width::X1, Sweep { pass, access, rows: row..row + 1, block, lane, constants });
     });
 }

@@ -181,6 +181,8 @@ pub enum EventSpec {
     Wake,
     /// A body was taken out because its state was no longer finite.
     Quarantine,
+    /// A body was held to the limit of speed or spin.
+    SpeedLimited,
     /// A bound was reached inside a step.
     LimitReached,
 }

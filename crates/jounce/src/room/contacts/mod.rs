@@ -27,6 +27,7 @@
 //! # Restitution
 //! After the last substep: v_n ← e V + a h/2 where the approach was faster than the threshold; see [`prepare::impact_speed`].
 
+pub(crate) mod crowd;
 pub mod desc;
 pub(crate) mod finish;
 pub(crate) mod impact;

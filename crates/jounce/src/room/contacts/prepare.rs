@@ -125,7 +125,8 @@ pub(crate) fn fill(
     set_inertia(&mut block.inertia_a, l, &inertia_a);
     set_inertia(&mut block.inertia_b, l, &inertia_b);
     let soft = if inertia_a.inv_mass == 0.0 || inertia_b.inv_mass == 0.0 { k.fixed } else { k.moving };
-    block.bias_rate[l] = soft.bias_rate;
+    block.bias_rate[l] = soft.bias_rate * c.share;
+    block.push_out[l] = -k.push_out_speed * c.share;
     block.mass_scale[l] = soft.mass_scale;
     block.impulse_scale[l] = soft.impulse_scale;
     let count = usize::from(m.count).min(4);

@@ -153,6 +153,8 @@ pub(crate) struct Block {
     pub bias_rate: Lane,
     pub mass_scale: Lane,
     pub impulse_scale: Lane,
+    /// −v_push, m/s.
+    pub push_out: Lane,
     pub points: [PointRows; 4],
     /// Friction along `tangent` and normal × tangent.
     pub friction: [Jacobian; 2],
@@ -206,6 +208,7 @@ impl Default for Block {
             bias_rate: L,
             mass_scale: L,
             impulse_scale: L,
+            push_out: L,
             points: [PointRows::ZERO; 4],
             friction: [Jacobian::ZERO; 2],
             friction_mass: [L; 3],

@@ -29,6 +29,8 @@ pub(crate) struct Sweep<'a, 'b> {
     pub access: &'a mut Scatter<'b, BodyState>,
     pub rows: Range<usize>,
     pub block: &'a mut Block,
+    /// Lane of the first row.
+    pub lane: usize,
     pub constants: &'a StepConstants,
 }
 
@@ -36,17 +38,18 @@ impl Kernel for Sweep<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { pass, access, rows, block, constants } = self;
-        let mut at = 0;
-        while at < rows.len().min(LANES) {
-            let lanes = Gather { first: rows.start + at, end: rows.end };
+        let Self { pass, access, rows, block, lane, constants } = self;
+        let mut done = 0;
+        while done < rows.len().min(LANES) {
+            let lanes = Gather { first: rows.start + done, end: rows.end };
+            let at = lane + done;
             match pass {
                 Pass::Warm => warm_start::<L>(block, at, access, lanes),
                 Pass::Solve => solve::<L>(block, at, access, lanes, constants),
                 Pass::Relax => relax::<L>(block, at, access, lanes, constants),
                 Pass::Restitution => restitution::<L>(block, at, access, lanes),
             }
-            at += L::WIDTH;
+            done += L::WIDTH;
         }
     }
 }
@@ -196,7 +199,7 @@ fn solve<L: Lanes>(
     let sigma = L::load(&block.mass_scale[at..]);
     let iota = L::load(&block.impulse_scale[at..]);
     let rate = sigma * L::load(&block.bias_rate[at..]);
-    let (inv_h, push) = (L::splat(k.inv_h), L::splat(-k.push_out_speed));
+    let (inv_h, push) = (L::splat(k.inv_h), L::load(&block.push_out[at..]));
     for rows in &mut block.points[..block.points_max.min(4)] {
         let turn =
             Wide3::<L>::load(&rows.j.b, at).dot(moved.rb) - Wide3::<L>::load(&rows.j.a, at).dot(moved.ra);

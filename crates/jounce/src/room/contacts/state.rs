@@ -163,6 +163,9 @@ pub(crate) struct Contact {
     /// Largest distance from B's origin that matters for turning.
     pub extent_b: f32,
     pub recycle_tolerance: f32,
+    /// Some point is deep inside, and the part of the push-out that is left to this contact; see [`super::crowd`].
+    pub deep: bool,
+    pub share: f32,
     /// Approach speed at which the two met, for hit events, m/s.
     pub hit_speed: f32,
 }

@@ -1,14 +1,15 @@
 //! Writes the motion of a step back to the frames.
 
 use super::desc::BodyKind;
-use super::state::{BodyFrame, BodyState, BodyStep, InvInertia, Mass};
-use jounce_math::{Vec3, scalar::f32s};
+use super::state::{BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
+use jounce_math::{Quat, Vec3, scalar::f32s};
 
 /// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point. `limits`
 /// are those of speed and spin.
 pub(crate) fn finish(
     state: &mut BodyState,
     b: &mut BodyStep,
+    turning: &mut Option<Turning>,
     i: &mut InvInertia,
     f: &mut BodyFrame,
     mass: &Mass,
@@ -18,7 +19,7 @@ pub(crate) fn finish(
 ) {
     let mut s = state.get();
     f.center = f.center0 + s.dp.as_dvec3();
-    f.rotation = (s.dq * f.rotation0).normalize();
+    f.rotation = rotation(&s, turning, f.rotation0, mass);
     if let (BodyKind::Kinematic, Some(target)) = (b.kind, b.target.take()) {
         f.rotation = target.q;
         f.center = target.transform_point(f.local_center);
@@ -38,4 +39,16 @@ pub(crate) fn finish(
     }
     let speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
     b.sleep_timer = if can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
+}
+
+/// The rotation at the end of the step; from the precise one where that is known.
+fn rotation(s: &Motion, turning: &mut Option<Turning>, rotation0: Quat, mass: &Mass) -> Quat {
+    match turning {
+        Some(t) if t.dq == s.dq && t.rotation == rotation0 => {
+            t.rotation = (t.q * mass.principal.as_dquat().normalize().conjugate()).normalize().as_quat();
+            t.dq = Quat::IDENTITY;
+            t.rotation
+        }
+        _ => (s.dq * rotation0).normalize(),
+    }
 }

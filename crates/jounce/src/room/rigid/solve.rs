@@ -11,7 +11,7 @@
 //! of tan, so the phase error is of order x⁷ and no transcendental is needed.
 
 use super::desc::BodyKind;
-use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Motion};
+use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
 use jounce_math::{DQuat, DVec3, Quat, Vec3};
 
 /// Constants of one substep.
@@ -49,7 +49,8 @@ pub(crate) fn integrate_velocity(s: &mut BodyState, b: &BodyStep, i: &InvInertia
 #[inline(always)]
 pub(crate) fn integrate_position(
     state: &mut BodyState,
-    b: &mut BodyStep,
+    b: &BodyStep,
+    turning: &mut Option<Turning>,
     bodies: &crate::table::Table<Body>,
     frames: &[BodyFrame],
     sub: &Substep,
@@ -73,8 +74,7 @@ pub(crate) fn integrate_position(
         s.dq = turn_fast(r, w2, b.fast_rotation) * s.dq;
         s.dq = s.dq.normalize();
     } else {
-        let mass = &bodies[b.body].mass;
-        torque_free(&mut s, b, mass.moments, mass.principal, frames[b.body as usize].rotation, sub.h);
+        torque_free(&mut s, turning, &bodies[b.body].mass, frames[b.body as usize].rotation, sub.h);
     }
     state.put(&s);
 }
@@ -131,13 +131,17 @@ fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, inv_moment: f64, h: f64) {
     }
 }
 
-fn torque_free(s: &mut Motion, b: &mut BodyStep, moments: DVec3, principal: Quat, rotation: Quat, h: f32) {
-    let frame = (principal.as_dquat()).normalize();
-    let start = s.dq.as_dquat() * rotation.as_dquat() * frame;
-    let mut q = start.normalize();
-    // While nothing changed ω since the last turn, its exact momentum is known.
-    let world = match b.momentum {
-        Some((l, w)) if w == s.w => l,
+fn torque_free(s: &mut Motion, memory: &mut Option<Turning>, mass: &Mass, rotation: Quat, h: f32) {
+    let moments = mass.moments;
+    let frame = mass.principal.as_dquat().normalize();
+    // While nothing changed the rotation or ω since the last turn, they are known exactly.
+    let known = memory.filter(|t| t.rotation == rotation && t.dq == s.dq);
+    let mut q = match known {
+        Some(t) => t.q,
+        None => (s.dq.as_dquat() * rotation.as_dquat() * frame).normalize(),
+    };
+    let world = match known {
+        Some(t) if t.w == s.w => t.momentum,
         _ => {
             let w = q.inverse_rotate(s.w.as_dvec3());
             q.rotate(w.mul(moments))
@@ -156,5 +160,5 @@ fn torque_free(s: &mut Motion, b: &mut BodyStep, moments: DVec3, principal: Quat
     s.dr += (s.w + w) * (0.5 * h);
     s.dq = (q * (rotation.as_dquat() * frame).conjugate()).normalize().as_quat();
     s.w = w;
-    b.momentum = Some((world, w));
+    *memory = Some(Turning { momentum: world, w, q, rotation, dq: s.dq });
 }

@@ -7,7 +7,7 @@
 
 use super::desc::{AxisLocks, BodyKind};
 use jounce_geometry::MassProperties;
-use jounce_math::{DVec3, Mat3, Pose, Quat, Vec3, WorldPose};
+use jounce_math::{DQuat, DVec3, Mat3, Pose, Quat, Vec3, WorldPose};
 
 /// "No row", "no island".
 pub(crate) const NONE: u32 = u32::MAX;
@@ -197,9 +197,20 @@ pub(crate) struct BodyStep {
     pub target: Option<WorldPose>,
     /// The velocity came from a target: it ends with the step.
     pub guided: bool,
-    /// Angular momentum of torque-free motion with the ω it belongs to: reused while nothing touched ω, so
-    /// that rounding to f32 does not leak momentum.
-    pub momentum: Option<(DVec3, Vec3)>,
+}
+
+/// Torque-free motion in full precision, of bodies with unequal moments: reused as long as the rounded values that the rest
+/// of the step works with are still those it gave, so that rounding to f32 leaks neither momentum nor energy.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Turning {
+    /// Angular momentum, world axes, with the ω it gave.
+    pub momentum: DVec3,
+    pub w: Vec3,
+    /// World from principal axes.
+    pub q: DQuat,
+    /// The body's rotation at the start of the step, and since then, that belong to `q`.
+    pub rotation: Quat,
+    pub dq: Quat,
 }
 
 /// World inverse inertia, frozen for contacts within a step: xx, yy, zz, xy, xz, yz.
@@ -265,6 +276,7 @@ impl InvInertia {
 pub(crate) struct Awake {
     pub state: Vec<BodyState>,
     pub step: Vec<BodyStep>,
+    pub turning: Vec<Option<Turning>>,
     pub inertia: Vec<InvInertia>,
 }
 
