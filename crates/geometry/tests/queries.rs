@@ -9,7 +9,7 @@ use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::Arc;
 
 fn cases() -> usize {
-    if std::env::var_os("JOUNCE_PROVE").is_some() { 20_000 } else { 200 }
+    if std::env::var_os("JOUNCE_PROVE").is_some() { 5_000 } else { 200 }
 }
 
 fn convex(rng: &mut Rng, kind: usize) -> Shape {

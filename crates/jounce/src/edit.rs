@@ -636,7 +636,10 @@ impl World {
         r.place = Place::Nowhere;
         if r.moved {
             r.moved = false;
-            self.moved.retain(|&s| s != slot);
+            // Their order is no state: the broad phase sorts what it finds.
+            if let Some(at) = self.moved.iter().position(|&s| s == slot) {
+                self.moved.swap_remove(at);
+            }
         }
         let visitors = core::mem::take(&mut self.shapes[slot].visitors);
         let sensor = self.shape_id(slot);

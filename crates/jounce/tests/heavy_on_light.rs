@@ -23,6 +23,7 @@ fn sink(heavy: f32, light: usize) -> f64 {
 fn a_thousand_to_one_sinks_less_than_a_centimetre() {
     for heavy in [20.0, 100.0, 1_000.0, 10_000.0] {
         let s = sink(heavy, 1);
+        println!("{heavy} kg on 1 kg: {:.1} mm", 1e3 * s);
         assert!(s.abs() < 0.010, "{heavy} kg on 1 kg: {s} m");
     }
 }

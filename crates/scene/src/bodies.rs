@@ -96,6 +96,7 @@ impl Group {
 pub(crate) struct Census {
     bodies: u64,
     shapes: u64,
+    scattered: u64,
 }
 
 impl Census {
@@ -109,6 +110,16 @@ impl Census {
         if self.shapes > limits::SCENE_SHAPES_MAX {
             let limit = format!("at most {} shapes in a scene", limits::SCENE_SHAPES_MAX);
             return Err(Wrong::new(format!("makes {} shapes", self.shapes), limit));
+        }
+        Ok(())
+    }
+
+    /// Bodies of a scatter group: their places are drawn, and kept, while the scene is read.
+    fn scatter(&mut self, bodies: u64) -> Checked<()> {
+        self.scattered = self.scattered.saturating_add(bodies);
+        if self.scattered > limits::SCATTER_BODIES_MAX {
+            let limit = format!("at most {} scattered bodies in a scene", limits::SCATTER_BODIES_MAX);
+            return Err(Wrong::new(format!("makes {} scattered bodies", self.scattered), limit));
         }
         Ok(())
     }
@@ -352,6 +363,7 @@ pub(crate) fn scatter(s: &ScatterSpec, library: &mut Library, census: &mut Censu
     }
     let shapes = s.bodies.iter().map(|b| b.shapes.len() as u64).max().unwrap_or(0);
     census.add(s.count, shapes).key("count")?;
+    census.scatter(s.count).key("count")?;
     let (lo, hi) = (DVec3::from_array(s.region.min), DVec3::from_array(s.region.max));
     let ok = (hi - lo).min_component() >= 0.0
         && lo.abs().max_component() <= 1e9

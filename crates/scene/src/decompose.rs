@@ -2,6 +2,7 @@
 //! is taken from there: the hulls are built by the engine's own builder, which refuses by name instead of panicking.
 
 use crate::error::{Checked, Wrong};
+use crate::limits;
 use crate::mesh::MeshData;
 use crate::spec::DecomposeSpec;
 use jounce::geometry::{Compound, Hull, Shape};
@@ -24,8 +25,8 @@ pub(crate) fn decompose(spec: &DecomposeSpec, mesh: &MeshData) -> Checked<Compou
         return Err(Wrong::new(format!("is {resolution}"), "8 to 128").key("resolution"));
     }
     let parts_max = spec.parts_max.unwrap_or(64);
-    if !(1..=1024).contains(&parts_max) {
-        return Err(Wrong::new(format!("is {parts_max}"), "1 to 1024").key("parts_max"));
+    if !(1..=256).contains(&parts_max) {
+        return Err(Wrong::new(format!("is {parts_max}"), "1 to 256").key("parts_max"));
     }
     if mesh.triangles.len() > TRIANGLES_MAX {
         let message = format!("the mesh has {} triangles", mesh.triangles.len());
@@ -34,6 +35,13 @@ pub(crate) fn decompose(spec: &DecomposeSpec, mesh: &MeshData) -> Checked<Compou
     let params =
         VHACDParameters { concavity, resolution, max_convex_hulls: parts_max, ..VHACDParameters::default() };
     let (points, size) = normalised(mesh);
+    let cells = cells_crossed(&points, &mesh.triangles, resolution);
+    if cells > limits::CUT_CELLS_MAX {
+        let message = format!("its triangles cross {cells:.0} cells at resolution {resolution}");
+        return Err(
+            Wrong::new(message, format!("at most {}; a lower resolution", limits::CUT_CELLS_MAX)).key("mesh")
+        );
+    }
     // The cutter asserts on meshes that it cannot voxelise; a scene must answer with an error.
     let cut = catch_unwind(AssertUnwindSafe(|| {
         VHACD::decompose(&params, &points, &mesh.triangles, true)
@@ -54,6 +62,19 @@ pub(crate) fn decompose(spec: &DecomposeSpec, mesh: &MeshData) -> Checked<Compou
         return Err(Wrong::new("no part of the mesh has volume", "a closed mesh").key("mesh"));
     }
     Ok(Compound::new(children)?)
+}
+
+/// About how many cells the triangles cross, each counted for every triangle: what the cutter's memory goes with.
+fn cells_crossed(points: &[Vector], triangles: &[[u32; 3]], resolution: u32) -> f64 {
+    let per_metre = 0.5 * f64::from(resolution);
+    let cells = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| points[v as usize]);
+        let (ab, ac) = (b - a, c - a);
+        let around = f64::from(ab.length() + ac.length() + (c - b).length());
+        let area = 0.5 * f64::from(ab.cross(ac).length());
+        1.0 + per_metre * around + per_metre * per_metre * area
+    };
+    triangles.iter().map(cells).sum()
 }
 
 /// Vertices in the cube ±1, with the middle and the scale that undo it.

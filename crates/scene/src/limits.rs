@@ -30,6 +30,8 @@ pub const MESH_GROUPS_MAX: usize = 1 << 12;
 pub const MESH_EXPANSION_BYTES: usize = 32 << 20;
 /// Most nodes of one glTF file.
 pub const GLTF_NODES_MAX: usize = 1 << 16;
+/// Most bodies of all scatter groups of one scene (each is drawn and kept while the scene is read).
+pub const SCATTER_BODIES_MAX: u64 = 1 << 17;
 /// Draws for one place of a scatter group before the box counts as full.
 pub const SCATTER_TRIES_MAX: u64 = 256;
 /// Draws of a whole scatter group for each of its bodies, on average.
@@ -38,5 +40,14 @@ pub const SCATTER_TRIES_EACH: u64 = 32;
 pub const HEIGHT_SAMPLES_MAX: usize = 1 << 22;
 /// Most rows that probes and step times keep; beyond it every second row is dropped and the stride doubles.
 pub const ROWS_MAX: usize = 1 << 18;
+/// Triangles that the meshes of a scene may have whatever their files' size. Beyond, [`MESH_BYTES_EACH`].
+pub const MESH_TRIANGLES_FREE: usize = 1 << 18;
+/// Bytes of mesh files for each further triangle. A triangle of a collision mesh takes up to 200 bytes, and the files' own
+/// bytes may take sixteen times themselves: polygons of "1 2 3 1 2 3 …" spend two bytes on a triangle.
+pub const MESH_BYTES_EACH: usize = 13;
+/// Most cells, summed over its triangles, that a mesh to be cut may cross (memory: about 160 bytes each).
+pub const CUT_CELLS_MAX: f64 = 262_144.0;
+/// Most different decompositions of one scene.
+pub const CUTS_MAX: usize = 8;
 /// Most bytes of all mesh files of one scene.
 pub const MESH_TOTAL_BYTES: u64 = 1 << 30;

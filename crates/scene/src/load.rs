@@ -3,13 +3,14 @@
 use crate::bodies::{Census, Group, Names, color, group, scatter};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::limits;
-use crate::mesh::MeshData;
+use crate::mesh::{MeshData, triangles_max};
 use crate::plan::{Entry, Expect, Look, expects, probes, timeline};
 use crate::read::read;
 use crate::shapes::{Library, settings};
 use crate::spec::SceneSpec;
 use jounce::math::Vec3;
 use jounce::{World, WorldDesc};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// How to load a scene.
@@ -128,8 +129,8 @@ impl Scene {
 fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> Checked<Scene> {
     let world = world_desc(&spec)?;
     let mut census = Census::default();
-    let mut budget = limits::MESH_TOTAL_BYTES;
-    let read = |file: &str| read_mesh(file, here, options, &mut budget);
+    let mut shelf = Shelf { here, options, read: BTreeSet::new(), bytes: 0, distinct: 0, triangles: 0 };
+    let read = |file: &str| shelf.take(file);
     let mut library = Library::new(&spec.materials, &spec.meshes, read)?;
     let mut names = Names::default();
     let mut groups = Vec::new();
@@ -232,29 +233,53 @@ fn world_desc(spec: &SceneSpec) -> Checked<WorldDesc> {
     Ok(d)
 }
 
-/// Reads a mesh named in a scene, from the assets folder or beside the scene.
-fn read_mesh(
-    file: &str,
-    here: &Path,
-    options: &LoadOptions,
-    budget: &mut u64,
-) -> Result<MeshData, SceneError> {
-    let path = match file.strip_prefix("assets:") {
-        Some(rest) => {
-            if !options.assets.is_dir() {
-                let folder = options.assets.display();
-                return Err(SceneError::Skipped(format!(
-                    "{file} needs the assets folder, and {folder} is not there"
-                )));
-            }
-            options.assets.join(rest)
+/// Where a scene's meshes come from, and what was read so far.
+struct Shelf<'a> {
+    here: &'a Path,
+    options: &'a LoadOptions,
+    read: BTreeSet<PathBuf>,
+    /// Of all files, and of each once.
+    bytes: u64,
+    distinct: usize,
+    triangles: usize,
+}
+
+impl Shelf<'_> {
+    /// Reads a mesh named in a scene, from the assets folder or beside the scene.
+    fn take(&mut self, file: &str) -> Result<MeshData, SceneError> {
+        let path = self.path(file)?;
+        let too_much = |message: String| Err(SceneError::File { file: path.display().to_string(), message });
+        self.bytes += std::fs::metadata(&path).map_or(0, |m| m.len());
+        if self.bytes > limits::MESH_TOTAL_BYTES {
+            return too_much(format!(
+                "the meshes of the scene have more than {} bytes",
+                limits::MESH_TOTAL_BYTES
+            ));
         }
-        None => here.join(file),
-    };
-    let size = std::fs::metadata(&path).map_or(0, |m| m.len());
-    *budget = budget.checked_sub(size).ok_or_else(|| SceneError::File {
-        file: path.display().to_string(),
-        message: format!("the meshes of the scene have more than {} bytes", limits::MESH_TOTAL_BYTES),
-    })?;
-    MeshData::load(&path)
+        let mut input = 0;
+        let mesh = MeshData::load_counting(&path, &mut input)?;
+        if self.read.insert(path.clone()) {
+            self.distinct += input;
+        }
+        self.triangles += mesh.triangles.len();
+        let limit = triangles_max(self.distinct);
+        if self.triangles > limit {
+            return too_much(format!(
+                "the meshes of the scene have {} triangles; expected at most {limit} from files of their sizes",
+                self.triangles
+            ));
+        }
+        Ok(mesh)
+    }
+
+    fn path(&self, file: &str) -> Result<PathBuf, SceneError> {
+        let Some(rest) = file.strip_prefix("assets:") else { return Ok(self.here.join(file)) };
+        if !self.options.assets.is_dir() {
+            let folder = self.options.assets.display();
+            return Err(SceneError::Skipped(format!(
+                "{file} needs the assets folder, and {folder} is not there"
+            )));
+        }
+        Ok(self.options.assets.join(rest))
+    }
 }

@@ -181,6 +181,12 @@ impl Library {
         if let Some((_, parts)) = self.parts.iter().find(|(known, _)| known == d) {
             return Ok(parts.clone());
         }
+        if self.parts.len() >= crate::limits::CUTS_MAX {
+            return Err(Wrong::new(
+                "too many different decompositions",
+                format!("at most {} in a scene", crate::limits::CUTS_MAX),
+            ));
+        }
         let parts = Arc::new(decompose(d, &self.loaded(&d.mesh).key("mesh")?.data)?);
         self.parts.push((d.clone(), parts.clone()));
         Ok(parts)

@@ -335,9 +335,13 @@ impl Bvh {
         let parent = self.nodes[n as usize].parent;
         if parent != NONE {
             let slot = self.slot_of(parent, n);
+            let before = self.nodes[parent as usize].boxes[slot];
             self.set(parent, slot, b, sibling);
             self.free(n);
-            self.refit_up(parent);
+            // Boxes that all coincide make a list of the tree: nothing above changes, so it is not walked.
+            if b != before {
+                self.refit_up(parent);
+            }
         } else if sibling == NONE {
             self.free(n);
             self.root = NONE;

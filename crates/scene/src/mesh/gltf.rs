@@ -369,6 +369,11 @@ impl Reader<'_> {
         let v = self.mesh.vertices.len().saturating_add(vertices);
         let t = self.mesh.triangles.len().saturating_add(triangles);
         let limit = limits::MESH_EXPANSION_BYTES + 8 * self.input;
+        let triangles_max = super::triangles_max(self.input);
+        if t > triangles_max {
+            let message = format!("expands to {t} triangles");
+            return Err(self.file.wrong(key, message, format!("at most {triangles_max} for this file")));
+        }
         if v.saturating_add(t).saturating_mul(12) > limit {
             let message = format!("expands to {v} vertices and {t} triangles");
             return Err(self.file.wrong(
@@ -459,6 +464,7 @@ impl Reader<'_> {
                     })?;
                     let bytes = (self.beside)(&path)?;
                     self.input += bytes.len();
+                    self.file.triangles_max = super::triangles_max(self.input);
                     bytes
                 }
             };

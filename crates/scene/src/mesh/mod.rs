@@ -37,10 +37,20 @@ impl MeshData {
     /// # Errors
     /// The file cannot be read or is too large, the format is unknown, or the content is wrong: with the place.
     pub fn load(path: &Path) -> Result<Self, SceneError> {
+        Self::load_counting(path, &mut 0)
+    }
+
+    /// As [`MeshData::load`]; adds the bytes read to `input`.
+    pub(crate) fn load_counting(path: &Path, input: &mut usize) -> Result<Self, SceneError> {
         let name = path.display().to_string();
         let bytes = read_file(path)?;
+        *input += bytes.len();
         let here = path.parent().unwrap_or(Path::new(""));
-        Self::parse(&name, &bytes, &mut |uri| read_file(&here.join(uri)))
+        Self::parse(&name, &bytes, &mut |uri| {
+            let bytes = read_file(&here.join(uri))?;
+            *input += bytes.len();
+            Ok(bytes)
+        })
     }
 
     /// Reads a mesh from memory. `name` is for messages, and its extension gives the format; `beside` reads the
@@ -55,7 +65,8 @@ impl MeshData {
     ) -> Result<Self, SceneError> {
         let extension =
             Path::new(name).extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-        let file = MeshFile { name };
+        let triangles_max = triangles_max(bytes.len());
+        let file = MeshFile { name, triangles_max };
         let mesh = match extension.as_str() {
             "obj" => obj::parse(file, bytes)?,
             "stl" => stl::parse(file, bytes)?,
@@ -92,13 +103,23 @@ impl MeshData {
     }
 
     fn push(&mut self, file: MeshFile, triangle: [u32; 3], group: u16) -> Result<(), SceneError> {
-        if self.triangles.len() >= MESH_TRIANGLES_MAX {
-            return Err(file.wrong("", "too many triangles", format!("at most {MESH_TRIANGLES_MAX}")));
+        let limit = MESH_TRIANGLES_MAX.min(file.triangles_max);
+        if self.triangles.len() >= limit {
+            return Err(file.wrong(
+                "",
+                "too many triangles",
+                format!("at most {limit} in a file of its size"),
+            ));
         }
         self.triangles.push(triangle);
         self.triangle_groups.push(group);
         Ok(())
     }
+}
+
+/// Triangles that meshes of so many bytes may have.
+pub(crate) fn triangles_max(input: usize) -> usize {
+    limits::MESH_TRIANGLES_FREE + input / limits::MESH_BYTES_EACH
 }
 
 /// Reads a regular file of bounded size.
@@ -130,6 +151,7 @@ fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
 #[derive(Clone, Copy)]
 struct MeshFile<'a> {
     name: &'a str,
+    triangles_max: usize,
 }
 
 impl MeshFile<'_> {

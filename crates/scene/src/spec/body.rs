@@ -353,6 +353,6 @@ pub struct DecomposeSpec {
     pub concavity: Option<f32>,
     /// Cells along the longest side, 8 to 128. Default 64.
     pub resolution: Option<u32>,
-    /// Most parts, 1 to 1024. Default 64.
+    /// Most parts, 1 to 256. Default 64.
     pub parts_max: Option<u32>,
 }
