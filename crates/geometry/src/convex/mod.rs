@@ -6,6 +6,7 @@ mod distance;
 pub(crate) mod epa;
 pub(crate) mod gjk;
 mod impact;
+mod over;
 
 pub use cast::cast_shape;
 pub use distance::{distance, overlap};

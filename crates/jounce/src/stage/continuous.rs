@@ -1,9 +1,9 @@
 //! Continuous collision: a body that moved far against its size is stopped where it first met a fixed shape (bullets: any
 //! shape). It keeps its velocity; the next step's contact takes it from there.
 //!
-//! Where the body already touched the shape at the start (it rests or slides on it), its whole outline would stop at once; then only
-//! a ball of half the inner radius at its centre is swept: it cannot get through. A ball that is in the surface already stays where it is
-//! rather than go deeper.
+//! Where the body already touched the shape at the start (it rests or slides on it), its whole outline would stop at once;
+//! then only a ball of half the inner radius at its centre is swept: it cannot get through. A ball that is in the surface
+//! already stays where it is rather than go deeper. And the body stops where an end of it that swings round gets deep.
 
 use super::{Step, broadphase};
 use crate::edit::world_bounds;
@@ -18,6 +18,8 @@ use std::sync::PoisonError;
 const FAST: f32 = 0.5;
 /// Part of the inner radius that a sliding body may sink in within a step.
 const GRAZE: f32 = 0.25;
+/// Halvings of the way of a body that goes too deep.
+const HALVINGS: u32 = 6;
 
 pub(crate) fn run(world: &mut World, _: &Step) {
     if !world.settings.continuous {
@@ -93,14 +95,43 @@ fn meet(world: &World, s: u32, other: u32) -> f32 {
     let end = at(fa.center, fa.rotation, fb.center, fb.rotation);
     let local_center = rb.pose.inverse_transform_point(fb.local_center);
     let sweep = sweep_between(&start, &end, local_center);
-    match time_of_impact(&ra.shape, &rb.shape, &sweep, target, 0.25 * target) {
-        TimeOfImpact::Hit(t) if t > 1e-4 && grazes(world, [s, other], &sweep, t, 2.0 * target) => {
-            core_hit(world, rb.body, &ra.shape, &sweep)
-        }
+    let first = match time_of_impact(&ra.shape, &rb.shape, &sweep, target, 0.25 * target) {
+        TimeOfImpact::Separated => return 1.0,
+        TimeOfImpact::Hit(t) if t > 1e-4 && grazes(world, [s, other], &sweep, t, 2.0 * target) => 1.0,
         TimeOfImpact::Hit(t) | TimeOfImpact::Failed(t) if t > 1e-4 => t,
-        TimeOfImpact::Separated => 1.0,
-        _ => core_hit(world, rb.body, &ra.shape, &sweep),
+        _ => 1.0,
+    };
+    // A part that touches from the start is left out of the time of impact where there are others: the core sees it.
+    let first = f32s::min(first, core_hit(world, rb.body, &ra.shape, &sweep));
+    shallow(world, [s, other], &sweep, first)
+}
+
+/// The last time up to `t` at which the body is no deeper in the shape than at the start or a part of its inner radius. A body
+/// that touches with one end and turns quickly would swing the other, of which the contact does not know, deep in.
+fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32) -> f32 {
+    let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
+    let Some(set) = world.scratch.sets.0.first() else { return t };
+    let mut set = set.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut depth = |t: f32| {
+        collide(&ra.shape, &rb.shape, &sweep.pose(t), 0.0, &mut PairCache::default(), &mut set);
+        let points = set.manifolds.iter().flat_map(Manifold::points);
+        points.fold(0.0, |d, p| f32s::max(d, -p.separation))
+    };
+    let limit = GRAZE * world.bodies[rb.body].mass.inner_radius;
+    let last = depth(t);
+    if last <= limit {
+        return t;
     }
+    let limit = f32s::max(limit, depth(0.0));
+    if last <= limit {
+        return t;
+    }
+    let (mut lo, mut hi) = (0.0, t);
+    for _ in 0..HALVINGS {
+        let mid = 0.5 * (lo + hi);
+        if depth(mid) <= limit { lo = mid } else { hi = mid }
+    }
+    lo
 }
 
 /// Does the body, from the time of impact on, only slide along the surface? Every point that touches then goes less deep

@@ -2,15 +2,20 @@
 //!
 //! A box that slides from one tile onto the next touches the next tile's edge, or its hidden side, a moment before its top.
 //! A manifold against a fixed body whose points all lie in the plane of another, face, manifold of the same moving body says
-//! nothing that this face does not say: it takes the face's normal, or is dropped when it is a single point. Every test reads the manifolds as the narrow phase left
-//! them, so the order of the contacts does not matter.
+//! nothing that this face does not say: it takes the face's normal, or is dropped when it is a single point. Not where its shape
+//! stands out over that plane, though: a cone that slides along one wall of a corner touches the other wall in points of
+//! the first one's plane only, however deep, and would go through. Every test reads the manifolds as the narrow phase left them, so the
+//! order of the contacts does not matter.
 
 use super::Step;
 use crate::room::contacts::state::ContactPlace;
 use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
-use jounce_geometry::{FACE_A, FACE_B};
-use jounce_math::Vec3;
+use jounce_geometry::{Aabb, FACE_A, FACE_B};
+use jounce_math::{DVec3, Vec3};
+
+/// Cosine of the angle (18°) up to which a lean counts as the plane's own.
+const LEAN_COSINE: f32 = 0.95;
 
 /// A manifold against a fixed body, seen from the moving body's centre of mass, world axes.
 #[derive(Clone, Copy, Debug)]
@@ -49,6 +54,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
 
 fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
     gather(world, slot, patches);
+    let center = world.frames[slot as usize].center;
     for m in patches.iter() {
         let face = patches.iter().find(|f| {
             (f.row, f.index) != (m.row, m.index)
@@ -56,6 +62,7 @@ fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
                 && f.normal != m.normal
                 && lies_on(m, f)
                 && (!m.face || !lies_on(f, m))
+                && (f.normal.dot(m.normal) > LEAN_COSINE || !stands_out(world, center, m, f))
         });
         if let Some(f) = face {
             if m.count == 1 && world.contacts[m.row as usize].rest.is_empty() {
@@ -70,6 +77,17 @@ fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
 /// Do all points of `m` lie in the plane of `f`?
 fn lies_on(m: &Patch, f: &Patch) -> bool {
     m.points[..m.count].iter().all(|p| f.normal.dot(*p - f.points[0]).abs() <= m.slop)
+}
+
+/// Does the shape of `m` rise over the plane of `f` where `m` touches it? `center` is where the patches' points are seen from.
+fn stands_out(world: &World, center: DVec3, m: &Patch, f: &Patch) -> bool {
+    let c = &world.contacts[m.row as usize];
+    let shape = &world.shapes[if m.fixed_is_a { c.shape_a } else { c.shape_b }];
+    let at = world.frames[shape.body as usize].shape_pose(&shape.pose);
+    let local = |p: Vec3| at.q.inverse_rotate(p - (at.p - center).as_vec3());
+    let normal = at.q.inverse_rotate(f.normal);
+    let near = Aabb::from_points(m.points[..m.count].iter().map(|p| local(*p))).expanded(m.slop);
+    shape.shape.rises_over(normal, normal.dot(local(f.points[0])) + m.slop, &near)
 }
 
 fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {

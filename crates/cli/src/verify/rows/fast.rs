@@ -112,11 +112,12 @@ fn coins() -> Rows {
     let n = if prove() { 1_000 } else { 200 };
     let mut dice = Dice(2);
     let mut w = world(G, 60.0)?;
-    let cells = 20_u32;
+    // Wide enough that none rolls over the border.
+    let cells = 80_u32;
     let mut corners = Vec::new();
     for i in 0..=cells {
         for j in 0..=cells {
-            corners.push(Vec3::new(i as f32 - 10.0, 0.0, j as f32 - 10.0));
+            corners.push(Vec3::new(i as f32 - 40.0, 0.0, j as f32 - 40.0));
         }
     }
     let mut triangles = Vec::new();
