@@ -2,9 +2,10 @@
 //! one path, and the methods of [`crate::World`] are thin sugar over it.
 
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
+use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use crate::settings::Settings;
-use crate::{BodyId, ShapeId};
+use crate::{BodyId, FieldId, ShapeId};
 use jounce_geometry::{MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
@@ -71,6 +72,16 @@ pub enum Command {
     SetMaterial(ShapeId, Material),
     /// Sets whom a shape meets.
     SetFilter(ShapeId, Filter),
+    /// Sets how a shape meets the medium around it; wakes its body.
+    SetAero(ShapeId, Aero),
+    /// Adds a field; gives [`Output::Field`]; wakes everything.
+    AddField(Box<FieldDesc>),
+    /// Removes a field; wakes everything.
+    RemoveField(FieldId),
+    /// Replaces a field's description; wakes everything.
+    SetField(FieldId, Box<FieldDesc>),
+    /// Lets off a blast.
+    Explode(Explosion),
     /// Sets the world's gravity, m/s²; wakes everything.
     SetGravity(Vec3),
     /// Sets the solver's constants; wakes everything.
@@ -86,4 +97,6 @@ pub enum Output {
     Body(BodyId),
     /// The new shape.
     Shape(ShapeId),
+    /// The new field.
+    Field(FieldId),
 }

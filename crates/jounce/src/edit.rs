@@ -68,6 +68,7 @@ impl World {
             C::SetShapeEnabled(s, on) => self.do_enable_shape(s, on)?,
             C::SetMaterial(s, m) => self.do_set_material(s, m)?,
             C::SetFilter(s, f) => self.do_set_filter(s, f)?,
+            C::SetAero(..) | C::AddField(_) | C::RemoveField(_) | C::SetField(..) | C::Explode(_) => {}
             C::SetGravity(g) => self.do_set_gravity(g)?,
             C::SetSettings(s) => {
                 s.check()?;

@@ -35,3 +35,7 @@ handle! {
     /// Names a shape on a body of a [`crate::World`].
     ShapeId
 }
+handle! {
+    /// Names a field of a [`crate::World`].
+    FieldId
+}

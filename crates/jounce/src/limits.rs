@@ -27,6 +27,10 @@ pub const SUBSTEPS_MAX: u32 = 64;
 pub const ADVANCE_STEPS_MAX: u32 = 8;
 /// Most rounds of pairwise impacts before substep 1.
 pub const IMPACT_ROUNDS_MAX: usize = 256;
+/// Most fields in a world.
+pub const FIELDS_MAX: usize = 1 << 12;
+/// Most bodies that attract one another in one field.
+pub const N_BODY_MAX: usize = 1 << 14;
 /// Most commands in the queue.
 pub const COMMAND_QUEUE_MAX: usize = 1 << 20;
 /// Most manifolds of one contact.

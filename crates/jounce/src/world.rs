@@ -6,6 +6,7 @@ use crate::event::Event;
 use crate::handle::{BodyId, ShapeId};
 use crate::hooks::Hooks;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
+use crate::room::fields::state::Fields;
 use crate::room::rigid::state::{Awake, Body, BodyFrame, NONE};
 use crate::settings::{Settings, WorldDesc};
 use crate::stage::Scratch;
@@ -50,6 +51,8 @@ pub struct World {
     /// Contacts with an awake body, dense.
     pub(crate) contacts: Vec<Contact>,
     pub(crate) asleep_contacts: Vec<Contact>,
+
+    pub(crate) fields: Fields,
 
     pub(crate) events: Vec<Event>,
     pub(crate) queue: Vec<Command>,
@@ -147,6 +150,7 @@ impl World {
             free_contacts: Vec::new(),
             contacts: Vec::new(),
             asleep_contacts: Vec::new(),
+            fields: Fields::default(),
             events: Vec::new(),
             queue: Vec::new(),
             hooks: Hooks::default(),

@@ -1,4 +1,5 @@
 //! One room per kind of matter or law. Rooms never call rooms: they meet in [`crate::stage`].
 
 pub mod contacts;
+pub mod fields;
 pub mod rigid;
