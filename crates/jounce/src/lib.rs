@@ -56,6 +56,7 @@ pub use room::fields::desc::{
     AIR_DENSITY, AIR_VISCOSITY, Aero, Explosion, FieldDesc, FieldLaw, Gust, Region, WATER_DENSITY,
     WATER_VISCOSITY,
 };
+pub use room::fields::state::{FieldHook, FieldView};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use settings::{Settings, WorldDesc};
 pub use step::{Stage, StageHashes, StageObserver};

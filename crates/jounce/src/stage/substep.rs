@@ -20,8 +20,9 @@ const CONTACTS: usize = 128;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
-    for _ in 0..step.substeps {
+    for i in 0..step.substeps {
         velocities(world, step);
+        super::fields::act(world, step, i);
         sweep(world, Pass::Warm, step);
         sweep(world, Pass::Solve, step);
         positions(world, step);

@@ -8,6 +8,7 @@ mod collision;
 mod curves;
 mod far;
 mod fast;
+mod fields;
 mod friction;
 mod momentum;
 mod motion;
@@ -23,6 +24,7 @@ use jounce::{Result, Settings};
 /// All laws, topic by topic.
 pub(crate) const LAWS: &[&[Law]] = &[
     motion::LAWS,
+    fields::LAWS,
     friction::LAWS,
     rolling::LAWS,
     momentum::LAWS,
