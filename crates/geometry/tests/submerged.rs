@@ -85,6 +85,35 @@ fn parts_add_up() {
     }
 }
 
+/// Needles and plates, 1 cm and 100 m within one shape, cut at offsets of the scale of either. A place along the longest
+/// side is known to 1e-16 of it, 1e-12 of the shortest; 1e-9 is what a needle may lose.
+#[test]
+fn needles_and_plates_add_up() {
+    let mut r = Rng(41);
+    for _ in 0..count(2000, 50_000) {
+        let mut s = || f64s::pow(10.0, f64::from(r.range(-2.0, 2.0))) as f32;
+        let (half_height, radius) = (s(), s());
+        let half = Vec3::new(radius, half_height, s());
+        for shape in [
+            Shape::Capsule { half_height, radius },
+            Shape::Box { half },
+            Shape::Cylinder { half_height, radius },
+            Shape::Cone { half_height, radius },
+        ] {
+            let n = normal(&mut r);
+            let along = f64::from(r.range(-1.2, 1.2)) * f64::from(half_height) * n.y;
+            let d = along + f64::from(r.range(-1.2, 1.2)) * f64::from(radius);
+            let (whole, size) = (shape.volume(), size(&shape));
+            let (a, b) = (shape.submerged(n, d), shape.submerged(-n, -d));
+            let what = format!("{shape:?} n {n:?} d {d:e}: {a:?} {b:?}");
+            near(a.volume + b.volume, whole, 1e-9 * whole, &what);
+            let center = shape.submerged(n, f64::INFINITY).center;
+            let moment = a.center * a.volume + b.center * b.volume - center * whole;
+            near(moment.length(), 0.0, 1e-9 * whole * size, &what);
+        }
+    }
+}
+
 /// The waterplane is dV/dd. A central difference lies between the section's areas over its step, up to the bend of
 /// their graph: allow the whole change over the step, and the rounding of V (1e-15) over the step.
 #[test]

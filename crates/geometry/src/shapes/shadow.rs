@@ -12,8 +12,9 @@
 //! ```
 //!
 //! A cone's shadow is the hull of the base's ellipse (half axes r and e) and the tip's image, T from the centre along
-//! the axis e. Stretched by r/e it is a disc with the two tangents from a point. A convex polyhedron's every ray passes
-//! two faces, whence the half (Cauchy 1832). Compare Blott and Pye 2008, "Particle shape".
+//! the axis e. Stretched by r/e it is a disc with the two tangents from a point. A ray that meets a convex polyhedron
+//! passes two of its faces, whence the half (Cauchy 1841, "Mémoire sur la rectification des courbes et la quadrature des
+//! surfaces courbes", whose theorem on the mean of all shadows the tests use).
 
 use super::Shape;
 use crate::Hull;
