@@ -31,6 +31,8 @@ pub const IMPACT_ROUNDS_MAX: usize = 256;
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.
 pub const N_BODY_MAX: usize = 1 << 14;
+/// Most passes of restitution at the end of a step.
+pub const RESTITUTION_PASSES_MAX: usize = 64;
 /// Most commands in the queue.
 pub const COMMAND_QUEUE_MAX: usize = 1 << 20;
 /// Most manifolds of one contact.
