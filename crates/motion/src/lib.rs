@@ -8,4 +8,9 @@
 //! transcendentals of [`jounce_math::scalar`]: the same bits on every machine.
 #![forbid(unsafe_code)]
 
+mod error;
 pub mod force;
+pub mod integrate;
+pub mod limits;
+
+pub use error::{Error, Result};
