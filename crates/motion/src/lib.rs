@@ -8,9 +8,12 @@
 //! transcendentals of [`jounce_math::scalar`]: the same bits on every machine.
 #![forbid(unsafe_code)]
 
+pub mod collide;
 mod error;
 pub mod force;
 pub mod integrate;
+pub mod kinematics;
 pub mod limits;
+pub mod momentum;
 
 pub use error::{Error, Result};

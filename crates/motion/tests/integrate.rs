@@ -78,8 +78,7 @@ fn orders_are_those_of_theory() {
     }
 }
 
-/// Damped, driven, with a force of the velocity: x″ = −x − v/2 + sin t, whose solution from x = 0, v = −2 is −2 cos t +
-/// (a decaying part that starts as 2 and 0 would need); compared with a very fine RK4 instead.
+/// A spring that is driven and damped by the square of the speed, x″ = sin t − x − ½ |v| v, against a very fine RK4.
 fn driven_error(method: Method, dt: f64) -> f64 {
     let run = |method, dt: f64| {
         let (mut x, mut v) = (1.0, 0.0);
