@@ -57,13 +57,15 @@ fn dot<V: Vector>(a: &[V], b: &[V]) -> f64 {
 
 impl<V: Vector> Newton<V> {
     /// Solves u = u₀ + h F(u), from the guess in `u`. False where no answer within `tolerance` (relative to the size of
-    /// the state and of the change) is found; `u` then holds nothing of use.
+    /// the state and of the change) is found; `u` then holds nothing of use. Where rounding of F lets nothing get
+    /// smaller, a residual up to `floor` is an answer.
     pub(super) fn solve(
         &mut self,
         u: &mut [V],
         u0: &[V],
         h: f64,
         tolerance: f64,
+        floor: f64,
         f: &mut impl FnMut(&[V], &mut [V]),
     ) -> bool {
         for c in [&mut self.residual, &mut self.delta, &mut self.trial, &mut self.force] {
@@ -90,13 +92,12 @@ impl<V: Vector> Newton<V> {
                 }
                 part *= 0.5;
             }
-            // At the floor of rounding nothing gets smaller; that is an answer where the residual is small enough.
             if size.is_nan() || size >= before {
-                return before <= max(tolerance, 1e-9) * scale;
+                return before <= max(max(tolerance, 1e-9) * scale, floor);
             }
             u.copy_from_slice(&self.trial);
         }
-        size <= max(tolerance, 1e-9) * scale
+        size <= max(max(tolerance, 1e-9) * scale, floor)
     }
 
     /// Leaves −R and F of `trial` behind, gives |R|.

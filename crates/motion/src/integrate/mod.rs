@@ -383,16 +383,12 @@ impl<V: Vector> Integrator<V> {
                 let (y0, _) = k.split_at_mut(1);
                 y0[0].copy_from_slice(y);
                 let mut calls = 0;
-                let found = self.newton.solve(
-                    y,
-                    &y0[0],
-                    dt,
-                    self.options.newton_tolerance,
-                    &mut |u: &[V], out: &mut [V]| {
+                let tolerance = self.options.newton_tolerance;
+                let found =
+                    self.newton.solve(y, &y0[0], dt, tolerance, 0.0, &mut |u: &[V], out: &mut [V]| {
                         calls += 1;
                         f(t + dt, u, out);
-                    },
-                );
+                    });
                 if found { Ok(one(dt, calls)) } else { Err(no_answer(t)) }
             }
             Method::ExplicitEuler
@@ -418,12 +414,15 @@ impl<V: Vector> Integrator<V> {
         let (v0, moved) = (&mut v0[..n], &mut moved[..n]);
         v0.copy_from_slice(v);
         let mut calls = 0;
-        let found =
-            self.newton.solve(v, v0, h, self.options.newton_tolerance, &mut |u: &[V], out: &mut [V]| {
-                calls += 1;
-                fixed::sum_scaled(moved, x, h, u);
-                a(t + h, moved, u, out);
-            });
+        // Near rest, forces are differences of large ones, and their rounding is no fault of the answer: an error of the
+        // velocities that moves nothing by more than 1e-10 of where it is.
+        let floor = 1e-10 * implicit::norm(x) / h.abs();
+        let tolerance = self.options.newton_tolerance;
+        let found = self.newton.solve(v, v0, h, tolerance, floor, &mut |u: &[V], out: &mut [V]| {
+            calls += 1;
+            fixed::sum_scaled(moved, x, h, u);
+            a(t + h, moved, u, out);
+        });
         fixed::add_scaled(x, h, v);
         if found { Ok(one(h, calls)) } else { Err(no_answer(t)) }
     }
