@@ -17,6 +17,8 @@ pub mod jelly;
 pub mod kinematics;
 pub mod limits;
 pub mod momentum;
+pub mod nbody;
+mod octree;
 pub mod particles;
 pub mod springs;
 

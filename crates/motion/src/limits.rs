@@ -8,6 +8,8 @@ pub const NEWTON_MAX: usize = 40;
 pub const KRYLOV_MAX: usize = 40;
 /// Fresh starts of GMRES in one Newton iteration.
 pub const KRYLOV_RESTARTS_MAX: usize = 25;
+/// Parts that an implicit step is split into where it finds no answer.
+pub const IMPLICIT_PARTS_MAX: u32 = 1024;
 /// Halvings of a Newton step that makes things worse.
 pub const BACKTRACKS_MAX: usize = 12;
 /// Intervals that a quadrature splits its range into.

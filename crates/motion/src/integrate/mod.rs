@@ -22,6 +22,7 @@ pub(crate) use dopri5::dense_value;
 pub use method::Method;
 
 use crate::error::{Error, Result, check, positive};
+use crate::limits;
 use core::ops::{Add, Mul, Range, Sub};
 use implicit::Newton;
 use jounce_math::DVec3;
@@ -95,7 +96,7 @@ impl Default for Options {
             safety: 0.9,
             dt_min: 1e-9,
             dt_max: f64::MAX,
-            newton_tolerance: 1e-12,
+            newton_tolerance: 1e-10,
         }
     }
 }
@@ -118,7 +119,7 @@ impl Options {
 /// What a call of an integrator did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Steps that were kept; 1 for methods of a given step.
+    /// Steps that were kept; 1 for methods of a given step, unless an implicit one had to be split.
     pub steps: u64,
     /// Steps that were taken again, shorter.
     pub rejected: u64,
@@ -380,16 +381,19 @@ impl<V: Vector> Integrator<V> {
             }
             Method::AdaptiveDopri5 => self.whole_dopri5(t, dt, f),
             Method::ImplicitEuler => {
-                let (y0, _) = k.split_at_mut(1);
-                y0[0].copy_from_slice(y);
-                let mut calls = 0;
-                let tolerance = self.options.newton_tolerance;
-                let found =
-                    self.newton.solve(y, &y0[0], dt, tolerance, 0.0, &mut |u: &[V], out: &mut [V]| {
-                        calls += 1;
-                        f(t + dt, u, out);
+                let (newton, tolerance) = (&mut self.newton, self.options.newton_tolerance);
+                implicit_parts(t, dt, |t, h, calls| {
+                    let y0 = &mut k[0];
+                    y0.copy_from_slice(y);
+                    let found = newton.solve(y, y0, h, tolerance, 0.0, &mut |u: &[V], out: &mut [V]| {
+                        *calls += 1;
+                        f(t + h, u, out);
                     });
-                if found { Ok(one(dt, calls)) } else { Err(no_answer(t)) }
+                    if !found {
+                        y.copy_from_slice(y0);
+                    }
+                    found
+                })
             }
             Method::ExplicitEuler
             | Method::LectureLoop
@@ -405,26 +409,31 @@ impl<V: Vector> Integrator<V> {
     fn implicit_motion(
         &mut self,
         t: f64,
-        h: f64,
+        dt: f64,
         n: usize,
         a: &mut impl FnMut(f64, &[V], &[V], &mut [V]),
     ) -> Result<Report> {
         let [v0, moved, ..] = &mut self.k;
         let (x, v) = self.y.split_at_mut(n);
         let (v0, moved) = (&mut v0[..n], &mut moved[..n]);
-        v0.copy_from_slice(v);
-        let mut calls = 0;
-        // Near rest, forces are differences of large ones, and their rounding is no fault of the answer: an error of the
-        // velocities that moves nothing by more than 1e-10 of where it is.
-        let floor = 1e-10 * implicit::norm(x) / h.abs();
-        let tolerance = self.options.newton_tolerance;
-        let found = self.newton.solve(v, v0, h, tolerance, floor, &mut |u: &[V], out: &mut [V]| {
-            calls += 1;
-            fixed::sum_scaled(moved, x, h, u);
-            a(t + h, moved, u, out);
-        });
-        fixed::add_scaled(x, h, v);
-        if found { Ok(one(h, calls)) } else { Err(no_answer(t)) }
+        let (newton, tolerance) = (&mut self.newton, self.options.newton_tolerance);
+        implicit_parts(t, dt, |t, h, calls| {
+            v0.copy_from_slice(v);
+            // Near rest, forces are differences of large ones, and their rounding is no fault of the answer: an error of
+            // the velocities that moves nothing by more than 1e-10 of where it is.
+            let floor = 1e-10 * implicit::norm(x) / h.abs();
+            let found = newton.solve(v, v0, h, tolerance, floor, &mut |u: &[V], out: &mut [V]| {
+                *calls += 1;
+                fixed::sum_scaled(moved, x, h, u);
+                a(t + h, moved, u, out);
+            });
+            if found {
+                fixed::add_scaled(x, h, v);
+            } else {
+                v.copy_from_slice(v0);
+            }
+            found
+        })
     }
 
     fn whole_dopri5(&mut self, t: f64, dt: f64, f: &mut impl FnMut(f64, &[V], &mut [V])) -> Result<Report> {
@@ -433,7 +442,7 @@ impl<V: Vector> Integrator<V> {
         let mut report = Report::default();
         while self.dopri5.time() < t + dt {
             report.add(&self.dopri5.step(t + dt, f)?);
-            if report.steps as usize >= crate::limits::STEPS_MAX {
+            if report.steps as usize >= limits::STEPS_MAX {
                 return Err(Error::Failed {
                     what: "adaptive_dopri5",
                     time: self.dopri5.time(),
@@ -451,10 +460,25 @@ fn one(dt: f64, evaluations: u64) -> Report {
     Report { steps: 1, evaluations, dt_shortest: dt, dt_longest: dt, ..Report::default() }
 }
 
-fn no_answer(time: f64) -> Error {
-    Error::Failed {
-        what: "implicit_euler",
-        time,
-        advice: "Newton's iteration finds no answer; shorten dt, or loosen newton_tolerance",
+/// Takes `dt` in one implicit step, or, where Newton's iteration finds no answer (a mesh that was folded or pushed hard
+/// since the last step), in as many equal parts as it takes: the shorter the step, the nearer is the guess. `solve(t, h)`
+/// takes one part, or changes nothing and says so.
+fn implicit_parts(t: f64, dt: f64, mut solve: impl FnMut(f64, f64, &mut u64) -> bool) -> Result<Report> {
+    let mut report = Report::default();
+    let (mut parts, mut done) = (1u32, 0u32);
+    while done < parts {
+        let h = dt / f64::from(parts);
+        if solve(t + h * f64::from(done), h, &mut report.evaluations) {
+            report.accept(h, 0.0);
+            done += 1;
+        } else if parts < limits::IMPLICIT_PARTS_MAX {
+            report.rejected += 1;
+            (parts, done) = (2 * parts, 2 * done);
+        } else {
+            let time = t + h * f64::from(done);
+            let advice = "Newton's iteration finds no answer; shorten dt, or loosen newton_tolerance";
+            return Err(Error::Failed { what: "implicit_euler", time, advice });
+        }
     }
+    Ok(report)
 }
