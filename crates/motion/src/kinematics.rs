@@ -49,7 +49,7 @@ pub struct Integral {
     /// The value.
     pub value: DVec3,
     /// Estimated error, in the unit of the value. Above the tolerance where
-    /// [`INTERVALS_MAX`](crate::limits::INTERVALS_MAX) intervals were not enough.
+    /// [`INTERVALS_MAX`] intervals were not enough.
     pub error: f64,
 }
 

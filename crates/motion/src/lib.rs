@@ -8,6 +8,7 @@
 //! transcendentals of [`jounce_math::scalar`]: the same bits on every machine.
 #![forbid(unsafe_code)]
 
+pub mod ballistics;
 pub mod cloth;
 pub mod collide;
 mod error;

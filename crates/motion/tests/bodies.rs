@@ -1,5 +1,5 @@
 //! Particles, spring systems, cloth, jelly and bodies that attract each other.
-#![allow(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
+#![expect(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
 
 use jounce_math::DVec3;
 use jounce_motion::cloth::{Cloth, ClothDesc};

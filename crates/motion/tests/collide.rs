@@ -1,5 +1,5 @@
 //! Particles, edges and faces against planes; the bounce.
-#![allow(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
+#![expect(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
 
 use jounce_math::DVec3;
 use jounce_motion::collide::*;

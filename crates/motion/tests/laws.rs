@@ -1,5 +1,5 @@
 //! Force laws, kinematics and frames against closed forms.
-#![allow(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
+#![expect(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
 
 use jounce_math::{DQuat, DVec3};
 use jounce_motion::force::*;

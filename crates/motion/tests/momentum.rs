@@ -1,4 +1,5 @@
 //! Motion by momentum: identities, invariants, the tumbling body.
+#![expect(clippy::disallowed_methods, reason = "the reference side of a test may use std's functions")]
 
 use jounce_math::{DMat3, DQuat, DVec3};
 use jounce_motion::momentum::{RigidBody, push, turn, world_inertia};
