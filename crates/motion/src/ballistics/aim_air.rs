@@ -12,6 +12,7 @@
 
 use super::aim::{Miss, Reach, Shot, Target, aim, lead};
 use super::air::{Air, Path, Segment};
+use super::roots::golden;
 use super::{Event, check_gravity, up};
 use crate::error::{Error, Result, check, positive};
 use crate::limits::{BISECTIONS_MAX, FLIGHT_TIME_MAX_S, NEWTON_MAX, STEPS_MAX};
@@ -21,8 +22,6 @@ use jounce_math::{DMat3, DVec3};
 
 /// Angles that are tried on the circle, one every two degrees.
 const TRIES: usize = 180;
-/// Golden section.
-const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
 /// All shots of `speed` in m/s through `air` that meet a target, fixed or of constant velocity, the earliest first.
 ///
@@ -420,22 +419,4 @@ fn nearest_of(segment: &Segment, distance: impl Fn(&Event) -> f64) -> Event {
     let (a, b) = (max(middle - part, segment.start()), middle + part);
     let t = golden(a, b, |t| Ok(distance(&segment.at(t)))).unwrap_or(middle);
     segment.at(t)
-}
-
-/// The place between `a` and `b` where `f` is least, to about 1e-8 of the interval.
-fn golden(mut a: f64, mut b: f64, f: impl Fn(f64) -> Result<f64>) -> Result<f64> {
-    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
-    let (mut fx, mut fy) = (f(x)?, f(y)?);
-    for _ in 0..40 {
-        if fx <= fy {
-            (b, y, fy) = (y, x, fx);
-            x = b - GOLDEN * (b - a);
-            fx = f(x)?;
-        } else {
-            (a, x, fx) = (x, y, fy);
-            y = a + GOLDEN * (b - a);
-            fy = f(y)?;
-        }
-    }
-    Ok(if fx <= fy { x } else { y })
 }

@@ -6,16 +6,17 @@
 //! through the flight. Followed by Dormand–Prince to 1e-10 of the state; apex and landing are found on its polynomials
 //! between the steps.
 
-use super::roots::bisect;
-use super::{Event, Projectile};
+use super::aim::{Miss, Reach, Shot};
+use super::roots::{bisect, golden};
+use super::{Event, Projectile, check_gravity, up};
 use crate::collide::Plane;
-use crate::error::{Error, Result, finite_vector, not_negative, positive};
+use crate::error::{Error, Result, bad, finite_vector, not_negative, positive};
 use crate::force;
 use crate::integrate::{Dopri5, Options, dense_value};
 use crate::limits::{FLIGHT_TIME_MAX_S, STEPS_MAX};
-use core::f64::consts::PI;
+use core::f64::consts::{FRAC_PI_2, PI};
 use jounce_math::DVec3;
-use jounce_math::scalar::f64s::{clamp, max};
+use jounce_math::scalar::f64s::{clamp, cos, max, sin};
 
 /// How spin lifts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -299,4 +300,116 @@ pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight>
         time: flight.end.time,
         advice: "too many steps; is the drag extreme?",
     })
+}
+
+/// The shot along `forward` that lands farthest on level ground through the launch, and its landing. `forward` is any
+/// vector that is not along gravity; only its horizontal part counts, and only the distance along it.
+///
+/// ```
+/// use jounce_math::DVec3;
+/// use jounce_motion::ballistics::{farthest_in_air, Air};
+/// let air = Air::ball(0.43, 0.11, 0.25, 1.2)?;
+/// let (shot, landing) = farthest_in_air(30.0, DVec3::Y * -9.81, DVec3::X, &air)?;
+/// // Drag makes it a flatter one than the 45° of the vacuum.
+/// assert!(shot.angle.to_degrees() > 40.0 && shot.angle.to_degrees() < 44.0);
+/// assert!(landing.position.x > 50.0127 && landing.position.x < 51.0);
+/// # Ok::<(), jounce_motion::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::BadValue`] for a speed not above 0, no gravity, a direction that is none, or an air that is not usable.
+pub fn farthest_in_air(speed: f64, gravity: DVec3, forward: DVec3, air: &Air) -> Result<(Shot, Event)> {
+    positive("projectile", "speed", speed)?;
+    check_gravity(gravity)?;
+    let up = up(gravity);
+    let forward = level(forward, up)?;
+    let ground = Plane::new(DVec3::ZERO, up)?;
+    let fall = |angle: f64| -> Result<(Shot, Event)> {
+        let velocity = (forward * cos(angle) + up * sin(angle)) * speed;
+        let flight = fly(&Projectile::new(DVec3::ZERO, velocity, gravity)?, air, &ground)?;
+        let end = flight.end();
+        Ok((Shot::new(velocity, up, end.time), end))
+    };
+    let way = |angle: f64| Ok(-fall(angle)?.1.position.dot(forward));
+    let mut best = (f64::INFINITY, 0.0);
+    for degree in 1..=90 {
+        let angle = FRAC_PI_2 * f64::from(degree) / 90.0;
+        let here = way(angle)?;
+        if here < best.0 {
+            best = (here, angle);
+        }
+    }
+    let degree = FRAC_PI_2 / 90.0;
+    fall(golden(best.1 - degree, best.1 + degree, way)?)
+}
+
+/// The unit vector along the horizontal part of a direction.
+fn level(forward: DVec3, up: DVec3) -> Result<DVec3> {
+    let flat = (forward - up * forward.dot(up)).try_normalize();
+    let Some((flat, _)) = flat else {
+        let expected = "a finite vector that is not along gravity";
+        return Err(bad("projectile", "forward", forward.to_array(), expected));
+    };
+    Ok(flat)
+}
+
+/// The flattest shot along the horizontal part of `forward` whose apex in air is `height` in m above the launch.
+///
+/// ```
+/// use jounce_math::DVec3;
+/// use jounce_motion::ballistics::{angle_for_height_in_air, Air};
+/// let air = Air::ball(0.43, 0.11, 0.25, 1.2)?;
+/// let shot = angle_for_height_in_air(30.0, 15.9447, DVec3::Y * -9.81, DVec3::X, &air)?.yes().expect("high enough");
+/// assert!((shot.angle.to_degrees() - 45.0).abs() < 1e-3);
+/// # Ok::<(), jounce_motion::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::BadValue`] for a speed not above 0, a height below 0, no gravity, a direction that is none, or an air that
+/// is not usable.
+pub fn angle_for_height_in_air(
+    speed: f64,
+    height: f64,
+    gravity: DVec3,
+    forward: DVec3,
+    air: &Air,
+) -> Result<Reach<Shot>> {
+    positive("projectile", "speed", speed)?;
+    not_negative("projectile", "height", height)?;
+    check_gravity(gravity)?;
+    let up = up(gravity);
+    let forward = (forward - up * forward.dot(up)).try_normalize();
+    let Some((forward, _)) = forward else {
+        return Err(bad(
+            "projectile",
+            "forward",
+            "no direction",
+            "a finite vector that is not along gravity",
+        ));
+    };
+    let ground = Plane::new(DVec3::ZERO, up)?;
+    let shot = |angle: f64| -> Result<(Shot, Event)> {
+        let velocity = (forward * cos(angle) + up * sin(angle)) * speed;
+        let apex = fly(&Projectile::new(DVec3::ZERO, velocity, gravity)?, air, &ground)?.apex();
+        Ok((Shot::new(velocity, up, apex.time), apex))
+    };
+    let mut best = shot(0.0)?;
+    let mut before = 0.0;
+    // The steeper the higher, but for lift, which can make a flatter shot climb more: the first degree that is enough.
+    for degree in 0..=90 {
+        let angle = FRAC_PI_2 * f64::from(degree) / 90.0;
+        let here = shot(angle)?;
+        if here.1.position.dot(up) >= height {
+            let enough = |a: f64| shot(a).is_ok_and(|s| s.1.position.dot(up) >= height);
+            let angle = if degree == 0 { 0.0 } else { bisect(before, angle, false, enough) };
+            return Ok(Reach::Yes(shot(angle)?.0));
+        }
+        if here.1.position.dot(up) > best.1.position.dot(up) {
+            best = here;
+        }
+        before = angle;
+    }
+    let (shot, apex) = best;
+    let distance = height - apex.position.dot(up);
+    Ok(Reach::No(Miss { distance, shot, closest: apex.position, speed_needed: None }))
 }

@@ -29,7 +29,7 @@ pub use aim::{
     Angles, Miss, Reach, Shot, Shots, Target, aim, angle_for_height, angles_for_range, lead, slowest,
 };
 pub use aim_air::aim_in_air;
-pub use air::{Air, Flight, Lift, fly};
+pub use air::{Air, Flight, Lift, angle_for_height_in_air, farthest_in_air, fly};
 
 use crate::error::{Result, check, finite, finite_vector};
 use crate::kinematics::constant_acceleration;

@@ -1,9 +1,10 @@
-//! Real roots of polynomials of low degree.
+//! Real roots of polynomials of low degree; brackets and minima.
 //!
 //! Between two neighbouring roots of p′ the polynomial p is monotonic, so a change of sign holds exactly one root, and
 //! halving finds it. The roots of p′ come the same way, down to a constant. A root that p only touches is a root of p′
 //! where p vanishes within rounding. Slower than a formula and without its cancellations.
 
+use crate::error::Result;
 use crate::limits::BISECTIONS_MAX;
 use jounce_math::scalar::f64s::max;
 
@@ -68,6 +69,27 @@ pub(super) fn bisect(mut a: f64, mut b: f64, below_at_a: bool, below: impl Fn(f6
         }
     }
     0.5 * (a + b)
+}
+
+/// Golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_8;
+
+/// The place between `a` and `b` where `f` is least, to about 1e-8 of the interval.
+pub(super) fn golden(mut a: f64, mut b: f64, f: impl Fn(f64) -> Result<f64>) -> Result<f64> {
+    let (mut x, mut y) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+    let (mut fx, mut fy) = (f(x)?, f(y)?);
+    for _ in 0..40 {
+        if fx <= fy {
+            (b, y, fy) = (y, x, fx);
+            x = b - GOLDEN * (b - a);
+            fx = f(x)?;
+        } else {
+            (a, x, fx) = (x, y, fy);
+            y = a + GOLDEN * (b - a);
+            fy = f(y)?;
+        }
+    }
+    Ok(if fx <= fy { x } else { y })
 }
 
 fn value(c: &[f64; SIZE], terms: usize, x: f64) -> f64 {
