@@ -370,6 +370,9 @@ fn text(r: &Report) -> String {
     for (medium, answer) in [("vacuum", Some(&r.vacuum)), ("air", r.air.as_ref())] {
         let Some(answer) = answer else { continue };
         for s in &answer.shots {
+            if r.question == "angle" && s.landing.is_none() {
+                words += &format!("In {medium} it does not come down within what is followed.\n");
+            }
             let landing = |f: fn(&Moment) -> f64| s.landing.as_ref().map_or("–".into(), |l| number(f(l)));
             t.row([
                 medium.into(),

@@ -20,5 +20,7 @@ pub const BISECTIONS_MAX: usize = 200;
 pub const POINTS_MAX: usize = 1 << 24;
 /// Depth of an octree: below it, bodies share a leaf.
 pub const OCTREE_DEPTH_MAX: usize = 48;
+/// Steps of a flight; one that is still up, or has drag too stiff to be followed, ends there.
+pub const FLIGHT_STEPS_MAX: usize = 100_000;
 /// Longest flight that is followed, s.
 pub const FLIGHT_TIME_MAX_S: f64 = 100_000.0;

@@ -296,6 +296,20 @@ fn spin_and_wind_do_what_they_are_known_for() {
 }
 
 #[test]
+fn what_is_blown_away_and_what_hardly_moves_come_to_an_end() {
+    // A feather in a wind upwards never lands; aiming it has an answer all the same.
+    let feather = Air { mass: 0.001, linear: 0.01, ..Air::VACUUM }.with_wind(DVec3::new(1.0, 8.0, 0.0));
+    let flight = fly(&thrown(3.0, 0.5), &feather, &floor()).expect("flies");
+    assert!(flight.landing().is_none() && flight.end().position.y > 1000.0);
+    let target = Target::fixed(DVec3::new(5.0, -5.0, 0.0));
+    assert!(aim_in_air(&target, 3.0, G, &feather).expect("numbers").no().is_some());
+    // Stopped within a micron: too stiff for the method, and still no hang.
+    let treacle = Air { mass: 1.0, linear: 1e7, ..Air::VACUUM };
+    let flight = fly(&thrown(3.0, 0.5), &treacle, &floor()).expect("flies");
+    assert!(flight.landing().is_none() && flight.end().time > 0.0 && flight.end().position.length() < 1e-5);
+}
+
+#[test]
 fn flights_that_do_not_land() {
     let deep = Plane::new(DVec3::Y * 100.0, DVec3::Y).expect("plane");
     let flight = fly(&thrown(10.0, 1.0), &football(), &deep).expect("flies");

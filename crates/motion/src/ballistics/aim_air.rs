@@ -15,7 +15,7 @@ use super::air::{Air, Path, Segment};
 use super::roots::golden;
 use super::{Event, check_gravity, up};
 use crate::error::{Error, Result, check, positive};
-use crate::limits::{BISECTIONS_MAX, FLIGHT_TIME_MAX_S, NEWTON_MAX, STEPS_MAX};
+use crate::limits::{BISECTIONS_MAX, FLIGHT_STEPS_MAX, FLIGHT_TIME_MAX_S, NEWTON_MAX};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use jounce_math::scalar::f64s::{atan2, cos, max, sin};
 use jounce_math::{DMat3, DVec3};
@@ -99,6 +99,8 @@ struct Range {
     far: f64,
     across: f64,
     height: f64,
+    /// Farther away than any path that comes back: twenty times the target and the range in vacuum.
+    beyond: f64,
     forward: DVec3,
     up: DVec3,
     left: DVec3,
@@ -110,6 +112,7 @@ impl Range {
         let height = target.position.dot(up);
         let flat = target.position - up * height;
         let far = target.position.length();
+        let fastest = speed + target.velocity.length();
         check((far * far).is_finite(), "target", "position", target.position.to_array(), "a nearer point")?;
         // A bearing within rounding of straight up or down is none.
         let across = if flat.length() > 1e-9 * far { flat.length() } else { 0.0 };
@@ -123,6 +126,7 @@ impl Range {
             far,
             across,
             height,
+            beyond: 20.0 * (far + fastest * fastest / gravity.length()),
             forward,
             up,
             left: up.cross(forward),
@@ -138,8 +142,17 @@ impl Range {
         Path::new(&self.air, DVec3::ZERO, velocity, self.gravity)
     }
 
-    /// True where a path has come down below the target for good.
+    /// True where a path was blown away from the target for good.
+    fn is_gone(&self, e: &Event) -> bool {
+        let away = e.position - self.to;
+        away.length() > self.beyond && away.dot(e.velocity) > 0.0
+    }
+
+    /// True where a path has come down below the target for good, or is gone.
     fn is_past(&self, e: &Event) -> bool {
+        if self.is_gone(e) {
+            return true;
+        }
         let below = self.height - e.position.dot(self.up);
         // Lift may bring it up again; not from as deep as the target is far.
         let enough = if self.air.lifts() || self.air.wind.dot(self.up) > 0.0 { 2.0 * self.far } else { 0.0 };
@@ -152,7 +165,7 @@ impl Range {
         let ahead = |e: &Event| self.across - e.position.dot(self.forward);
         let above = |e: &Event| e.position.dot(self.up) - self.height;
         let side = |e: &Event| e.position.dot(self.left);
-        for _ in 0..STEPS_MAX {
+        for _ in 0..FLIGHT_STEPS_MAX {
             if self.is_past(&path.now()) {
                 let e = path.now();
                 return Ok(Some(Pass { over: -ahead(&e).abs(), side: side(&e) }));
@@ -314,7 +327,7 @@ impl Range {
 
     fn at(&self, alpha: f64, beta: f64, time: f64) -> Result<Event> {
         let mut path = self.path(alpha, beta)?;
-        for _ in 0..STEPS_MAX {
+        for _ in 0..FLIGHT_STEPS_MAX {
             if path.now().time >= time {
                 break;
             }
@@ -344,7 +357,7 @@ impl Range {
             let mut path = self.path(alpha, 0.0)?;
             let above = |e: &Event| e.position.dot(self.up) - self.height;
             let mut times = Vec::new();
-            for _ in 0..STEPS_MAX {
+            for _ in 0..FLIGHT_STEPS_MAX {
                 let s = path.step(FLIGHT_TIME_MAX_S)?;
                 times.extend(s.falls(|e| -above(e)).map(|e| e.time));
                 times.extend(s.falls(above).map(|e| e.time));
@@ -364,7 +377,7 @@ impl Range {
         let mut path = self.path(alpha, beta)?;
         let distance = |e: &Event| (e.position - self.to).length();
         let mut best = path.now();
-        for _ in 0..STEPS_MAX {
+        for _ in 0..FLIGHT_STEPS_MAX {
             let segment = path.step(FLIGHT_TIME_MAX_S)?;
             let e = nearest_of(&segment, distance);
             if distance(&e) < distance(&best) {
@@ -372,8 +385,8 @@ impl Range {
             }
             let now = path.now();
             let below = self.height - now.position.dot(self.up);
-            let gone = below > distance(&best) && now.velocity.dot(self.up) < 0.0;
-            if gone && self.is_past(&now) || now.time >= FLIGHT_TIME_MAX_S {
+            let deep = below > distance(&best) && now.velocity.dot(self.up) < 0.0;
+            if (deep && self.is_past(&now)) || self.is_gone(&now) || now.time >= FLIGHT_TIME_MAX_S {
                 break;
             }
         }

@@ -10,10 +10,10 @@ use super::aim::{Miss, Reach, Shot};
 use super::roots::{bisect, golden};
 use super::{Event, Projectile, check_gravity, up};
 use crate::collide::Plane;
-use crate::error::{Error, Result, bad, finite_vector, not_negative, positive};
+use crate::error::{Result, bad, finite_vector, not_negative, positive};
 use crate::force;
 use crate::integrate::{Dopri5, Options, dense_value};
-use crate::limits::{FLIGHT_TIME_MAX_S, STEPS_MAX};
+use crate::limits::{FLIGHT_STEPS_MAX, FLIGHT_TIME_MAX_S};
 use core::f64::consts::{FRAC_PI_2, PI};
 use jounce_math::DVec3;
 use jounce_math::scalar::f64s::{clamp, cos, max, sin};
@@ -77,7 +77,8 @@ impl Air {
     /// once it does it lifts as a sports ball.
     ///
     /// # Errors
-    /// [`Error::BadValue`] for a mass or a radius not above 0, or a coefficient or density below 0.
+    /// [`Error::BadValue`](crate::Error::BadValue) for a mass or a radius not above 0, or a coefficient or density
+    /// below 0.
     pub fn ball(mass: f64, radius: f64, drag_coefficient: f64, density: f64) -> Result<Self> {
         positive("projectile", "mass", mass)?;
         positive("projectile", "radius", radius)?;
@@ -244,8 +245,8 @@ impl Flight {
 
 /// Follows a projectile through the air until it lands on `ground`.
 ///
-/// A launch below the ground, or one that never comes down to it, is followed until it can no longer land, at most
-/// [`FLIGHT_TIME_MAX_S`].
+/// A launch below the ground, or one that never comes down to it, is followed until it can no longer land, at most for
+/// [`FLIGHT_TIME_MAX_S`] or [`FLIGHT_STEPS_MAX`]; it then has no landing, and its end tells when that was.
 ///
 /// ```
 /// use jounce_math::DVec3;
@@ -262,7 +263,8 @@ impl Flight {
 /// ```
 ///
 /// # Errors
-/// [`Error::BadValue`] for an air that is not usable, [`Error::Failed`] where the motion does not stay finite.
+/// [`Error::BadValue`](crate::Error::BadValue) for an air that is not usable, [`Error::Failed`](crate::Error::Failed)
+/// where the motion does not stay finite.
 pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight> {
     air.check()?;
     let up = projectile.up();
@@ -280,7 +282,7 @@ pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight>
             && air.wind.dot(ground.normal()) <= 0.0;
         ground.distance(e.position) < 0.0 && sinks && !air.lifts()
     };
-    for _ in 0..STEPS_MAX {
+    for _ in 0..FLIGHT_STEPS_MAX {
         let segment = path.step(FLIGHT_TIME_MAX_S)?;
         flight.segments.push(segment);
         flight.landing = segment.falls(|e| ground.distance(e.position));
@@ -295,11 +297,7 @@ pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight>
             return Ok(flight);
         }
     }
-    Err(Error::Failed {
-        what: "flight",
-        time: flight.end.time,
-        advice: "too many steps; is the drag extreme?",
-    })
+    Ok(flight)
 }
 
 /// The shot along `forward` that lands farthest on level ground through the launch, and its landing. `forward` is any
@@ -317,7 +315,8 @@ pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight>
 /// ```
 ///
 /// # Errors
-/// [`Error::BadValue`] for a speed not above 0, no gravity, a direction that is none, or an air that is not usable.
+/// [`Error::BadValue`](crate::Error::BadValue) for a speed not above 0, no gravity, a direction that is none, or an
+/// air that is not usable.
 pub fn farthest_in_air(speed: f64, gravity: DVec3, forward: DVec3, air: &Air) -> Result<(Shot, Event)> {
     positive("projectile", "speed", speed)?;
     check_gravity(gravity)?;
@@ -365,8 +364,8 @@ fn level(forward: DVec3, up: DVec3) -> Result<DVec3> {
 /// ```
 ///
 /// # Errors
-/// [`Error::BadValue`] for a speed not above 0, a height below 0, no gravity, a direction that is none, or an air that
-/// is not usable.
+/// [`Error::BadValue`](crate::Error::BadValue) for a speed not above 0, a height below 0, no gravity, a direction
+/// that is none, or an air that is not usable.
 pub fn angle_for_height_in_air(
     speed: f64,
     height: f64,
