@@ -104,6 +104,18 @@ fn point_masses_and_a_spring_are_the_spring_system() {
 }
 
 #[test]
+fn a_force_added_to_a_point_lasts_one_step() {
+    let mut s = MassSpring::new(Method::VelocityVerlet);
+    let p = s.add_point(2.0, DVec3::ZERO).expect("point");
+    s.add_force(p, DVec3::X * 3.0).expect("force");
+    s.add_force(p, DVec3::X * 1.0).expect("force");
+    for _ in 0..5 {
+        s.step(0.5).expect("steps");
+        assert_eq!(s.velocities()[p], DVec3::X, "4 N on 2 kg for half a second, once");
+    }
+}
+
+#[test]
 fn the_particle_system_steps_like_the_slide() {
     let mut system = ParticleSystem::default();
     for i in 1..5 {
@@ -347,7 +359,8 @@ fn the_tree_pulls_like_the_sum_of_pairs() {
     for (opening_angle, limit) in [(0.3, 0.002), (0.5, 0.006), (0.8, 0.02)] {
         let mut tree = cloud(n, NBodyDesc { opening_angle, tree_above: 0, ..desc });
         let (a, b) = (tree.accelerations(), tree.accelerations());
-        assert!(rms(&a) < limit && rms(&a) > 1e-6, "{opening_angle}: {}", rms(&a));
+        // Far below the limit, cubes are opened that need not be.
+        assert!(rms(&a) < limit && rms(&a) > 0.1 * limit, "{opening_angle}: {}", rms(&a));
         assert_eq!(a, b);
     }
     // Bodies on top of each other end in one leaf.
