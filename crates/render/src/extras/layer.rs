@@ -1,0 +1,272 @@
+//! Layers: extras that let light through. What one looks like from a ray, and how many blend.
+//!
+//! Front to back, with T the part of the light from behind that still comes through:
+//!
+//! ```text
+//! L += T · α · ((1 − glow) · lit + emitted),   T ← T · (1 − α · (1 − glow))
+//! ```
+//!
+//! α of a soft ball of radius r for a ray that passes its centre at distance b: opacity · (1 − b²/r²)² · s, where s is
+//! the part of the ray's chord in front of the solid behind and of the eye, smoothed: no hard line where smoke meets
+//! the ground.
+
+use jounce::geometry::{Aabb, Bvh};
+use jounce::math::Vec3;
+use jounce::math::scalar::f32s;
+
+/// Most layers that count along one ray, the nearest first.
+pub(crate) const LAYERS_MAX: usize = 256;
+/// Layers behind less than this part of the light cannot be seen.
+const HIDDEN: f32 = 0.004;
+/// Least radius on the picture, pixels: thinner things are drawn this thick, and fainter.
+const RADIUS_MIN_PX: f32 = 0.7;
+/// However thin, this part of the opacity stays.
+const FAINTEST: f32 = 0.12;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Kind {
+    Soft,
+    Hard,
+    /// A rod with round ends.
+    Round,
+    /// A rod with flat ends.
+    Flat,
+}
+
+/// A translucent or thin extra, in the frame of the eye.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Layer {
+    pub kind: Kind,
+    /// Centre of a ball, end of a rod.
+    pub a: Vec3,
+    /// To the rod's other end; zero for a ball.
+    pub ab: Vec3,
+    pub radius: f32,
+    /// Linear.
+    pub color: Vec3,
+    pub opacity: f32,
+    pub glow: f32,
+    /// Does it dim the light itself? Opaque thin things are among the solids, which do.
+    pub shades: bool,
+    pub tint: Tint,
+}
+
+/// The light that a layer sends to the eye, apart from how it is turned to the sun.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tint {
+    pub ambient: Vec3,
+    pub sun: Vec3,
+    pub emitted: Vec3,
+}
+
+impl Tint {
+    pub const BLACK: Self = Self { ambient: Vec3::ZERO, sun: Vec3::ZERO, emitted: Vec3::ZERO };
+}
+
+/// Where a ray passes a layer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample {
+    /// Distance by which layers are sorted.
+    pub t: f32,
+    pub alpha: f32,
+    /// Towards the ray.
+    pub normal: Vec3,
+}
+
+/// A ray among layers.
+#[derive(Clone, Copy)]
+pub(crate) struct Probe {
+    pub from: Vec3,
+    pub dir: Vec3,
+    /// Where the solid behind is.
+    pub end: f32,
+    /// Size of a pixel at distance 1, and at least at this distance; 0 for rays of light.
+    pub pixel_angle: f32,
+}
+
+impl Layer {
+    /// Radius and part of the opacity with which a thing at distance `t` is drawn.
+    fn shown(&self, t: f32, pixel_angle: f32) -> (f32, f32) {
+        let least = t * pixel_angle * RADIUS_MIN_PX;
+        if self.radius >= least {
+            return (self.radius, 1.0);
+        }
+        (least, f32s::max(self.radius / least, FAINTEST))
+    }
+
+    /// Around all that any ray of the eye can see of it.
+    pub fn aabb(&self, pixel_angle: f32) -> Aabb {
+        let around = |p: Vec3| {
+            let r = self.shown(p.length(), pixel_angle).0 + p.length() * pixel_angle;
+            Aabb::from_center(p, Vec3::splat(r))
+        };
+        around(self.a).union(&around(self.a + self.ab))
+    }
+
+    pub fn middle(&self) -> Vec3 {
+        self.a + self.ab * 0.5
+    }
+
+    pub fn key(&self) -> [f32; 13] {
+        let kind = f32::from(self.kind as u8);
+        let (a, d, k) = (self.a, self.ab, self.color);
+        [a.x, a.y, a.z, d.x, d.y, d.z, self.radius, kind, k.x, k.y, k.z, self.opacity, self.glow]
+    }
+
+    pub fn sample(&self, p: &Probe) -> Option<Sample> {
+        match self.kind {
+            Kind::Soft => self.sample_soft(p),
+            Kind::Hard => self.sample_hard(p),
+            Kind::Round | Kind::Flat => self.sample_rod(p),
+        }
+    }
+
+    fn sample_soft(&self, p: &Probe) -> Option<Sample> {
+        let c = self.a - p.from;
+        let t = c.dot(p.dir);
+        let q = p.dir * t - c;
+        let (r, part) = self.shown(t, p.pixel_angle);
+        let u = 1.0 - q.length_squared() / (r * r);
+        if u <= 0.0 {
+            return None;
+        }
+        let half = r * u.sqrt();
+        let seen = ramp((p.end - t) / half) - ramp(-t / half);
+        let alpha = self.opacity * part * u * u * seen;
+        (alpha > 0.0).then(|| Sample { t, alpha, normal: (q - p.dir * half) / r })
+    }
+
+    fn sample_hard(&self, p: &Probe) -> Option<Sample> {
+        let c = self.a - p.from;
+        let middle = c.dot(p.dir);
+        let q = p.dir * middle - c;
+        let (r, part) = self.shown(middle, p.pixel_angle);
+        let b2 = q.length_squared();
+        let pixel = middle * p.pixel_angle;
+        if b2 >= (r + pixel) * (r + pixel) {
+            return None;
+        }
+        let half = f32s::max(r * r - b2, 0.0).sqrt();
+        let t = middle - half;
+        if t <= 0.0 || t > p.end {
+            return None;
+        }
+        let alpha = self.opacity * part * cover(r - b2.sqrt(), pixel);
+        (alpha > 0.0).then(|| Sample { t, alpha, normal: (q - p.dir * half).normalize_or(-p.dir) })
+    }
+
+    /// The rod as a flat strip that faces the ray.
+    fn sample_rod(&self, p: &Probe) -> Option<Sample> {
+        let a = self.a - p.from;
+        // Where ray and line are nearest: both gaps' squares have zero slope.
+        let (dd, along) = (self.ab.length_squared(), self.ab.dot(p.dir));
+        let across2 = dd - along * along;
+        let s = if across2 > 1e-9 * dd { (a.dot(p.dir) * along - a.dot(self.ab)) / across2 } else { 0.5 };
+        let held = f32s::clamp(s, 0.0, 1.0);
+        let point = a + self.ab * held;
+        let t = point.dot(p.dir);
+        let (r, part) = self.shown(t, p.pixel_angle);
+        let pixel = t * p.pixel_angle;
+        if t <= 0.0 || t - r > p.end {
+            return None;
+        }
+        let q = p.dir * t - point;
+        let mut alpha = self.opacity * part;
+        if self.kind == Kind::Flat {
+            // Across by the distance from the line, along by that from the ends, each with a soft pixel.
+            let ends = (0.5 - (s - 0.5).abs()) * f32s::max(across2, 0.0).sqrt();
+            let line = a + self.ab * s;
+            let off = (p.dir * line.dot(p.dir) - line).length();
+            alpha *= cover(ends, pixel) * cover(r - off, pixel);
+        } else {
+            alpha *= cover(r - q.length(), pixel);
+        }
+        let half = f32s::max(r * r - q.length_squared(), 0.0).sqrt();
+        (alpha > 0.0).then(|| Sample { t, alpha, normal: (q - p.dir * half).normalize_or(-p.dir) })
+    }
+}
+
+/// Smooth step from 0 at −1 to 1 at 1.
+fn ramp(x: f32) -> f32 {
+    let x = f32s::clamp(x * 0.5 + 0.5, 0.0, 1.0);
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// Part of a pixel within an edge that is `inside` metres away.
+fn cover(inside: f32, pixel: f32) -> f32 {
+    if pixel <= 0.0 {
+        return if inside > 0.0 { 1.0 } else { 0.0 };
+    }
+    f32s::clamp(inside / pixel + 0.5, 0.0, 1.0)
+}
+
+/// The layers along a ray; kept from ray to ray for its memory.
+#[derive(Default)]
+pub(crate) struct Bag {
+    found: Vec<(u32, Sample)>,
+}
+
+impl Bag {
+    /// Gathers the nearest layers before the probe's end.
+    fn gather(&mut self, tree: &Bvh, layers: &[Layer], probe: &Probe) {
+        // By distance, then by place in the sorted list: a total order, whatever the tree's.
+        let order = |x: &(u32, Sample), y: &(u32, Sample)| x.1.t.total_cmp(&y.1.t).then(x.0.cmp(&y.0));
+        self.found.clear();
+        tree.ray(probe.from, probe.dir, Vec3::ZERO, probe.end, |i, max_t| {
+            if let Some(sample) = layers[i as usize].sample(probe) {
+                self.found.push((i, sample));
+                if self.found.len() >= 2 * LAYERS_MAX {
+                    let (_, last, _) = self.found.select_nth_unstable_by(LAYERS_MAX - 1, order);
+                    // A box begins before its layer's middle, so what lies beyond is behind all that are kept.
+                    let end = f32s::max(last.1.t, 0.0);
+                    self.found.truncate(LAYERS_MAX);
+                    return f32s::min(end, max_t);
+                }
+            }
+            max_t
+        });
+        self.found.sort_unstable_by(order);
+        self.found.truncate(LAYERS_MAX);
+    }
+
+    /// What is behind, seen through the layers.
+    pub fn over(&mut self, tree: &Bvh, layers: &[Layer], probe: &Probe, sun: Vec3, behind: Vec3) -> Vec3 {
+        self.gather(tree, layers, probe);
+        let (mut sum, mut through) = (Vec3::ZERO, 1.0_f32);
+        for (i, s) in &self.found {
+            let layer = &layers[*i as usize];
+            let towards = s.normal.dot(sun);
+            let facing = if layer.kind == Kind::Soft {
+                // Light wanders inside a cloud: the far side is not dark.
+                (0.6 + 0.4 * towards) * 0.7
+            } else {
+                f32s::max(towards, 0.0)
+            };
+            let solid = 1.0 - layer.glow;
+            let lit = layer.tint.ambient + layer.tint.sun * facing;
+            sum += (lit * solid + layer.tint.emitted) * (through * s.alpha);
+            through *= 1.0 - s.alpha * solid;
+            if through < HIDDEN {
+                return sum;
+            }
+        }
+        sum + behind * through
+    }
+}
+
+/// Part of the light that comes through the layers along a ray; `but` is left out. Stops counting after some.
+pub(crate) fn transmitted(tree: &Bvh, layers: &[Layer], probe: &Probe, but: u32) -> f32 {
+    let (mut through, mut seen) = (1.0_f32, 0);
+    tree.ray(probe.from, probe.dir, Vec3::ZERO, probe.end, |i, max_t| {
+        let layer = &layers[i as usize];
+        if i == but || !layer.shades {
+            return max_t;
+        }
+        if let Some(s) = layer.sample(probe) {
+            through *= 1.0 - s.alpha * (1.0 - layer.glow);
+            seen += 1;
+        }
+        if through < 0.02 || seen >= LAYERS_MAX { -1.0 } else { max_t }
+    });
+    through
+}
