@@ -131,7 +131,7 @@ pub fn render_with(
         for (x, c) in row.iter_mut().enumerate() {
             let i = y * w + x;
             let dir = frame.view.dir(x as f32 + 0.5, y as f32 + 0.5);
-            *c = frame.color(&pixels[i], dir, light[i], &mut bag);
+            *c = frame.color((x, y), &pixels[i], dir, light[i], &mut bag);
         }
     });
     let mut fine = colors.clone();
@@ -194,7 +194,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
         let view = camera.view(options.width, options.height);
         let haze = choose(look.haze_distance, f32s::max(focus * 8.0, 1.0));
         let far = f32s::max(focus * 150.0, 100.0);
-        let mut props = Props::new(extras, view.origin, view.pixel_angle);
+        let mut props = Props::new(extras, &view, options.width as usize, options.height as usize);
         if let Some(props) = &mut props {
             props.light_layers(scene, look, haze, far, options.threads);
         }
@@ -312,11 +312,11 @@ impl<'a, T: Tracer> Frame<'a, T> {
         if n == 0.0 { raw[y * self.width + x] } else { Light { sun: sun / n, open: open / n } }
     }
 
-    /// Display colour along a ray of the eye that ends at `p`.
-    fn color(&self, p: &Pixel, dir: Vec3, light: Light, bag: &mut Bag) -> Vec3 {
+    /// Display colour along a ray through pixel `at` that ends at `p`.
+    fn color(&self, at: (usize, usize), p: &Pixel, dir: Vec3, light: Light, bag: &mut Bag) -> Vec3 {
         let behind = self.radiance(p, dir, light);
         let light = match &self.props {
-            Some(props) => props.over(behind, dir, p.t, self.look.sun, bag),
+            Some(props) => props.over(behind, at, dir, p.t, self.look.sun, bag),
             None => behind,
         };
         self.look.tone(light)
@@ -382,7 +382,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
             let (px, py) = (x as f32 + a, y as f32 + b);
             let p = self.first_hit(px, py);
             let near = self.borrowed(pixels, light, &p, x, y);
-            sum += self.color(&p, self.view.dir(px, py), near, bag);
+            sum += self.color((x, y), &p, self.view.dir(px, py), near, bag);
         }
         sum / (n + 1) as f32
     }

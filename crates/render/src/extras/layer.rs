@@ -9,13 +9,18 @@
 //! α of a soft ball of radius r for a ray that passes its centre at distance b: opacity · (1 − b²/r²)² · s, where s is
 //! the part of the ray's chord in front of the solid behind and of the eye, smoothed: no hard line where smoke meets
 //! the ground.
+//!
+//! Soft balls are taken in the order of their centres' distances from the eye, the same for every ray, so that a cloud
+//! is sorted once per picture and a ray can end where nothing comes through any more. Hard things are taken where the
+//! ray meets them.
 
+use super::tiles::Near;
 use jounce::geometry::{Aabb, Bvh};
 use jounce::math::Vec3;
 use jounce::math::scalar::f32s;
 
 /// Most layers that count along one ray, the nearest first.
-pub(crate) const LAYERS_MAX: usize = 256;
+const LAYERS_MAX: usize = 512;
 /// Layers behind less than this part of the light cannot be seen.
 const HIDDEN: f32 = 0.004;
 /// Least radius on the picture, pixels: thinner things are drawn this thick, and fainter.
@@ -66,7 +71,7 @@ impl Tint {
 /// Where a ray passes a layer.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sample {
-    /// Distance by which layers are sorted.
+    /// Distance.
     pub t: f32,
     pub alpha: f32,
     /// Towards the ray.
@@ -80,7 +85,7 @@ pub(crate) struct Probe {
     pub dir: Vec3,
     /// Where the solid behind is.
     pub end: f32,
-    /// Size of a pixel at distance 1, and at least at this distance; 0 for rays of light.
+    /// Size of a pixel at distance 1; 0 for rays of light.
     pub pixel_angle: f32,
 }
 
@@ -94,23 +99,40 @@ impl Layer {
         (least, f32s::max(self.radius / least, FAINTEST))
     }
 
-    /// Around all that any ray of the eye can see of it.
-    pub fn aabb(&self, pixel_angle: f32) -> Aabb {
-        let around = |p: Vec3| {
-            let r = self.shown(p.length(), pixel_angle).0 + p.length() * pixel_angle;
-            Aabb::from_center(p, Vec3::splat(r))
-        };
-        around(self.a).union(&around(self.a + self.ab))
+    /// Around what stops light.
+    pub fn aabb(&self) -> Aabb {
+        Aabb::from_points([self.a, self.a + self.ab]).expanded(self.radius)
+    }
+
+    /// Radius within which rays of the eye see an end that is at `p`.
+    pub fn reach(&self, p: Vec3, pixel_angle: f32) -> f32 {
+        let distance = p.length();
+        self.shown(distance, pixel_angle).0 + distance * pixel_angle
+    }
+
+    /// No sample of the eye's rays is nearer; a soft ball's place in the order.
+    pub fn depth(&self) -> f32 {
+        match self.kind {
+            Kind::Soft => self.a.length(),
+            Kind::Hard => self.a.length() - self.radius,
+            Kind::Round | Kind::Flat => {
+                let dd = self.ab.length_squared();
+                let s = if dd > 0.0 { f32s::clamp(-self.a.dot(self.ab) / dd, 0.0, 1.0) } else { 0.0 };
+                (self.a + self.ab * s).length() * (1.0 - 1e-5)
+            }
+        }
     }
 
     pub fn middle(&self) -> Vec3 {
         self.a + self.ab * 0.5
     }
 
-    pub fn key(&self) -> [f32; 13] {
+    /// Depth, and numbers that tell layers apart: they are sorted by them.
+    pub fn key(&self) -> [f32; 14] {
         let kind = f32::from(self.kind as u8);
         let (a, d, k) = (self.a, self.ab, self.color);
-        [a.x, a.y, a.z, d.x, d.y, d.z, self.radius, kind, k.x, k.y, k.z, self.opacity, self.glow]
+        let depth = self.depth();
+        [depth, a.x, a.y, a.z, d.x, d.y, d.z, self.radius, kind, k.x, k.y, k.z, self.opacity, self.glow]
     }
 
     pub fn sample(&self, p: &Probe) -> Option<Sample> {
@@ -173,11 +195,11 @@ impl Layer {
         let q = p.dir * t - point;
         let mut alpha = self.opacity * part;
         if self.kind == Kind::Flat {
-            // Across by the distance from the line, along by that from the ends, each with a soft pixel.
-            let ends = (0.5 - (s - 0.5).abs()) * f32s::max(across2, 0.0).sqrt();
-            let line = a + self.ab * s;
-            let off = (p.dir * line.dot(p.dir) - line).length();
-            alpha *= cover(ends, pixel) * cover(r - off, pixel);
+            // Cut sharply: the pieces of a line share their pixels out, and none gets two or a gap.
+            if !(0.0..1.0).contains(&s) {
+                return None;
+            }
+            alpha *= cover(r - q.length(), pixel);
         } else {
             alpha *= cover(r - q.length(), pixel);
         }
@@ -200,57 +222,77 @@ fn cover(inside: f32, pixel: f32) -> f32 {
     f32s::clamp(inside / pixel + 0.5, 0.0, 1.0)
 }
 
-/// The layers along a ray; kept from ray to ray for its memory.
+/// What is seen along a ray so far.
+struct Blend {
+    sum: Vec3,
+    through: f32,
+    count: usize,
+}
+
+impl Blend {
+    /// Adds a layer; false where nothing behind it counts.
+    fn add(&mut self, layer: &Layer, s: &Sample, sun: Vec3) -> bool {
+        let towards = s.normal.dot(sun);
+        let facing = match layer.kind {
+            // Light wanders inside a cloud: the far side is not dark.
+            Kind::Soft => 0.42 + 0.28 * towards,
+            _ => f32s::max(towards, 0.0),
+        };
+        let dull = 1.0 - layer.glow;
+        let lit = layer.tint.ambient + layer.tint.sun * facing;
+        self.sum += (lit * dull + layer.tint.emitted) * (self.through * s.alpha);
+        self.through *= 1.0 - s.alpha * dull;
+        self.count += 1;
+        self.through > HIDDEN && self.count < LAYERS_MAX
+    }
+}
+
+/// Hard layers met along a ray that wait for their turn; kept from ray to ray for its memory.
 #[derive(Default)]
 pub(crate) struct Bag {
-    found: Vec<(u32, Sample)>,
+    /// The nearest last.
+    waiting: Vec<(u32, Sample)>,
 }
 
 impl Bag {
-    /// Gathers the nearest layers before the probe's end.
-    fn gather(&mut self, tree: &Bvh, layers: &[Layer], probe: &Probe) {
-        // By distance, then by place in the sorted list: a total order, whatever the tree's.
-        let order = |x: &(u32, Sample), y: &(u32, Sample)| x.1.t.total_cmp(&y.1.t).then(x.0.cmp(&y.0));
-        self.found.clear();
-        tree.ray(probe.from, probe.dir, Vec3::ZERO, probe.end, |i, max_t| {
-            if let Some(sample) = layers[i as usize].sample(probe) {
-                self.found.push((i, sample));
-                if self.found.len() >= 2 * LAYERS_MAX {
-                    let (_, last, _) = self.found.select_nth_unstable_by(LAYERS_MAX - 1, order);
-                    // A box begins before its layer's middle, so what lies beyond is behind all that are kept.
-                    let end = f32s::max(last.1.t, 0.0);
-                    self.found.truncate(LAYERS_MAX);
-                    return f32s::min(end, max_t);
+    /// What is behind, seen through the layers of `near`, which come in the order of [`Layer::depth`].
+    pub fn over(
+        &mut self,
+        layers: &[Layer],
+        near: &Near<'_>,
+        probe: &Probe,
+        sun: Vec3,
+        behind: Vec3,
+    ) -> Vec3 {
+        self.waiting.clear();
+        let mut blend = Blend { sum: Vec3::ZERO, through: 1.0, count: 0 };
+        for &i in near.list {
+            let sphere = &near.spheres[i as usize];
+            let t = sphere.center.dot(probe.dir);
+            if (probe.dir * t - sphere.center).length_squared() >= sphere.radius2 {
+                continue;
+            }
+            while let Some((k, s)) = self.waiting.pop_if(|w| w.1.t <= sphere.depth) {
+                if !blend.add(&layers[k as usize], &s, sun) {
+                    return blend.sum;
                 }
             }
-            max_t
-        });
-        self.found.sort_unstable_by(order);
-        self.found.truncate(LAYERS_MAX);
-    }
-
-    /// What is behind, seen through the layers.
-    pub fn over(&mut self, tree: &Bvh, layers: &[Layer], probe: &Probe, sun: Vec3, behind: Vec3) -> Vec3 {
-        self.gather(tree, layers, probe);
-        let (mut sum, mut through) = (Vec3::ZERO, 1.0_f32);
-        for (i, s) in &self.found {
-            let layer = &layers[*i as usize];
-            let towards = s.normal.dot(sun);
-            let facing = if layer.kind == Kind::Soft {
-                // Light wanders inside a cloud: the far side is not dark.
-                (0.6 + 0.4 * towards) * 0.7
-            } else {
-                f32s::max(towards, 0.0)
-            };
-            let solid = 1.0 - layer.glow;
-            let lit = layer.tint.ambient + layer.tint.sun * facing;
-            sum += (lit * solid + layer.tint.emitted) * (through * s.alpha);
-            through *= 1.0 - s.alpha * solid;
-            if through < HIDDEN {
-                return sum;
+            let layer = &layers[i as usize];
+            let Some(s) = layer.sample(probe) else { continue };
+            if layer.kind != Kind::Soft {
+                // Equal distances keep the order of the list.
+                let at = self.waiting.partition_point(|w| w.1.t > s.t);
+                self.waiting.insert(at, (i, s));
+            } else if !blend.add(layer, &s, sun) {
+                return blend.sum;
             }
         }
-        sum + behind * through
+        while let Some((k, s)) = self.waiting.pop() {
+            if !blend.add(&layers[k as usize], &s, sun) {
+                return blend.sum;
+            }
+        }
+        blend.sum + behind * blend.through
     }
 }
 

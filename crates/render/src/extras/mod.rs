@@ -15,6 +15,7 @@
 mod layer;
 mod prepare;
 mod solid;
+mod tiles;
 
 pub(crate) use layer::Bag;
 pub(crate) use prepare::{Props, is_extra};

@@ -2,7 +2,9 @@
 
 use super::layer::{Bag, Kind, Layer, Probe, Tint, transmitted};
 use super::solid::{Form, Solid};
+use super::tiles::Tiles;
 use super::{Ball, Extras, Face, Rod};
+use crate::camera::View;
 use crate::look::{Look, Pattern, Skin};
 use crate::parallel::rows;
 use crate::tracer::{Hit, Tracer};
@@ -31,13 +33,17 @@ pub(crate) struct Props {
     pixel_angle: f32,
     solids: Vec<Solid>,
     solid_tree: Bvh,
+    /// In the order of their depth.
     layers: Vec<Layer>,
-    layer_tree: Bvh,
+    /// Of those that stop light.
+    shade_tree: Bvh,
+    tiles: Tiles,
 }
 
 impl Props {
     /// `None` where there is nothing to draw.
-    pub fn new(extras: &Extras, eye: DVec3, pixel_angle: f32) -> Option<Self> {
+    pub fn new(extras: &Extras, view: &View, width: usize, height: usize) -> Option<Self> {
+        let (eye, pixel_angle) = (view.origin, view.pixel_angle);
         let (mut solids, mut layers) = (Vec::new(), Vec::new());
         let sort = Sort { eye, pixel_angle };
         extras.balls.iter().take(ITEMS_MAX).for_each(|b| sort.ball(b, &mut solids, &mut layers));
@@ -48,9 +54,11 @@ impl Props {
         }
         sort_by_key(&mut solids, Solid::key);
         sort_by_key(&mut layers, Layer::key);
-        let solid_tree = tree(solids.iter().map(Solid::aabb));
-        let layer_tree = tree(layers.iter().map(|l| l.aabb(pixel_angle)));
-        Some(Self { eye, pixel_angle, solids, solid_tree, layers, layer_tree })
+        let solid_tree = tree(solids.iter().map(Solid::aabb).zip(0..));
+        let shading = layers.iter().zip(0..).filter(|(l, _)| l.shades);
+        let shade_tree = tree(shading.map(|(l, i)| (l.aabb(), i)));
+        let tiles = Tiles::new(&layers, view, width, height);
+        Some(Self { eye, pixel_angle, solids, solid_tree, layers, shade_tree, tiles })
     }
 
     /// The first solid on a ray; with `eye` only those wide enough for the eye's rays.
@@ -92,7 +100,7 @@ impl Props {
             return 0.0;
         }
         let probe = Probe { from, dir, end: max_t, pixel_angle: 0.0 };
-        transmitted(&self.layer_tree, &self.layers, &probe, but)
+        transmitted(&self.shade_tree, &self.layers, &probe, but)
     }
 
     pub fn skin(&self, surface: u32) -> Skin {
@@ -102,13 +110,22 @@ impl Props {
         Skin { color, pattern: Pattern::Plain, gloss: if face { 0.08 } else { 0.5 } }
     }
 
-    /// What is behind, seen through the layers along a ray of the eye; `end` is the distance of the solid.
-    pub fn over(&self, behind: Vec3, dir: Vec3, end: f32, sun: Vec3, bag: &mut Bag) -> Vec3 {
-        if self.layers.is_empty() {
+    /// What is behind, seen through the layers along a ray through pixel `at`; `end` is the distance of the solid.
+    pub fn over(
+        &self,
+        behind: Vec3,
+        at: (usize, usize),
+        dir: Vec3,
+        end: f32,
+        sun: Vec3,
+        bag: &mut Bag,
+    ) -> Vec3 {
+        let near = self.tiles.at(at.0, at.1);
+        if near.list.is_empty() {
             return behind;
         }
         let probe = Probe { from: Vec3::ZERO, dir, end, pixel_angle: self.pixel_angle };
-        bag.over(&self.layer_tree, &self.layers, &probe, sun, behind)
+        bag.over(&self.layers, &near, &probe, sun, behind)
     }
 
     /// Finds out how much light each layer gets: one ray to the sun and one to the sky.
@@ -137,8 +154,10 @@ impl Props {
                 sun = self.light_but(start, look.sun, reach, i as u32);
             }
             if soft {
+                // Light that is scattered on the way still arrives: deeper than it shines straight.
+                sun = sun.sqrt();
                 let probe = Probe { from: at, dir: Vec3::Y, end: reach, pixel_angle: 0.0 };
-                open = 0.35 + 0.65 * transmitted(&self.layer_tree, &self.layers, &probe, i as u32);
+                open = 0.45 + 0.55 * transmitted(&self.shade_tree, &self.layers, &probe, i as u32).sqrt();
             }
         }
         let lit = look.dim_light(layer.color, sun, open);
@@ -156,9 +175,8 @@ impl Props {
 /// Light of what glows; a white surface in the sun sends about 3.
 const EMITTED: f32 = 3.5;
 
-fn tree(boxes: impl Iterator<Item = Aabb>) -> Bvh {
-    let items: Vec<(Aabb, u32)> = boxes.zip(0..).collect();
-    Bvh::build(&items)
+fn tree(boxes: impl Iterator<Item = (Aabb, u32)>) -> Bvh {
+    Bvh::build(&boxes.collect::<Vec<_>>())
 }
 
 fn sort_by_key<T, const N: usize>(items: &mut Vec<T>, key: impl Fn(&T) -> [f32; N]) {
