@@ -296,14 +296,11 @@ impl Bag {
     }
 }
 
-/// Part of the light that comes through the layers along a ray; `but` is left out. Stops counting after some.
-pub(crate) fn transmitted(tree: &Bvh, layers: &[Layer], probe: &Probe, but: u32) -> f32 {
+/// Part of the light that comes through the layers along a ray. Stops counting after some.
+pub(crate) fn transmitted(tree: &Bvh, layers: &[Layer], probe: &Probe) -> f32 {
     let (mut through, mut seen) = (1.0_f32, 0);
     tree.ray(probe.from, probe.dir, Vec3::ZERO, probe.end, |i, max_t| {
         let layer = &layers[i as usize];
-        if i == but || !layer.shades {
-            return max_t;
-        }
         if let Some(s) = layer.sample(probe) {
             through *= 1.0 - s.alpha * (1.0 - layer.glow);
             seen += 1;

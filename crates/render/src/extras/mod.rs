@@ -15,6 +15,7 @@
 mod layer;
 mod prepare;
 mod solid;
+mod sweep;
 mod tiles;
 
 pub(crate) use layer::Bag;

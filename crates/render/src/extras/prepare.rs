@@ -2,6 +2,7 @@
 
 use super::layer::{Bag, Kind, Layer, Probe, Tint, transmitted};
 use super::solid::{Form, Solid};
+use super::sweep::sweep;
 use super::tiles::Tiles;
 use super::{Ball, Extras, Face, Rod};
 use crate::camera::View;
@@ -86,21 +87,20 @@ impl Props {
 
     /// Part of the light that reaches a point along a ray.
     pub fn light(&self, from: DVec3, dir: Vec3, max_t: f32) -> f32 {
-        let start = (from - self.eye).as_vec3();
-        self.light_but(start, dir, max_t, u32::MAX)
+        let from = (from - self.eye).as_vec3();
+        if self.blocked(from, dir, max_t) {
+            return 0.0;
+        }
+        transmitted(&self.shade_tree, &self.layers, &Probe { from, dir, end: max_t, pixel_angle: 0.0 })
     }
 
-    fn light_but(&self, from: Vec3, dir: Vec3, max_t: f32, but: u32) -> f32 {
+    fn blocked(&self, from: Vec3, dir: Vec3, max_t: f32) -> bool {
         let mut blocked = false;
         self.solid_tree.ray(from, dir, Vec3::ZERO, max_t, |i, max_t| {
             blocked = self.solids[i as usize].hit(from, dir, max_t).is_some();
             if blocked { -1.0 } else { max_t }
         });
-        if blocked {
-            return 0.0;
-        }
-        let probe = Probe { from, dir, end: max_t, pixel_angle: 0.0 };
-        transmitted(&self.shade_tree, &self.layers, &probe, but)
+        blocked
     }
 
     pub fn skin(&self, surface: u32) -> Skin {
@@ -128,47 +128,42 @@ impl Props {
         bag.over(&self.layers, &near, &probe, sun, behind)
     }
 
-    /// Finds out how much light each layer gets: one ray to the sun and one to the sky.
+    /// Finds out how much light each layer gets: through the others by a sweep from the sun and one from above, past
+    /// solids by a ray to the sun.
     pub fn light_layers<T: Tracer>(&mut self, scene: &T, look: &Look, haze: f32, reach: f32, threads: usize) {
         const CHUNK: usize = 64;
+        let sun = sweep(&self.layers, look.sun);
+        let open = sweep(&self.layers, Vec3::Y);
         let mut tints = vec![Tint::BLACK; self.layers.len()];
         rows(&mut tints, CHUNK, threads, |chunk, tints| {
             for (k, tint) in tints.iter_mut().enumerate() {
-                *tint = self.tint(chunk * CHUNK + k, scene, look, haze, reach);
+                let i = chunk * CHUNK + k;
+                let layer = &self.layers[i];
+                let soft = layer.kind == Kind::Soft;
+                // Hard things are lit at their surface.
+                let lift = if soft { 0.0 } else { layer.radius * 1.01 + 1e-4 };
+                let start = layer.middle() + look.sun * lift;
+                let blocked = layer.glow < 1.0
+                    && (scene.occluded(self.eye + start.as_dvec3(), look.sun, reach)
+                        || self.blocked(start, look.sun, reach));
+                // Light that is scattered on the way still arrives: it comes deeper than it shines straight.
+                let sun = if blocked { 0.0 } else { sun[i].sqrt() };
+                let open = 0.45 + 0.55 * open[i].sqrt();
+                *tint = tint_of(layer, look, sun, open, haze);
             }
         });
         self.layers.iter_mut().zip(tints).for_each(|(l, t)| l.tint = t);
     }
+}
 
-    fn tint<T: Tracer>(&self, i: usize, scene: &T, look: &Look, haze: f32, reach: f32) -> Tint {
-        let layer = &self.layers[i];
-        let at = layer.middle();
-        let distance = at.length();
-        let soft = layer.kind == Kind::Soft;
-        let (mut sun, mut open) = (0.0, 1.0);
-        if layer.glow < 1.0 {
-            // Hard things are lit at their surface.
-            let start = if soft { at } else { at + look.sun * (layer.radius * 1.01 + 1e-4) };
-            let world = self.eye + start.as_dvec3();
-            if !scene.occluded(world, look.sun, reach) {
-                sun = self.light_but(start, look.sun, reach, i as u32);
-            }
-            if soft {
-                // Light that is scattered on the way still arrives: deeper than it shines straight.
-                sun = sun.sqrt();
-                let probe = Probe { from: at, dir: Vec3::Y, end: reach, pixel_angle: 0.0 };
-                open = 0.45 + 0.55 * transmitted(&self.shade_tree, &self.layers, &probe, i as u32).sqrt();
-            }
-        }
-        let lit = look.dim_light(layer.color, sun, open);
-        let dir = at.normalize_or(Vec3::Z);
-        let far = Look::haze(distance, haze);
-        let sky = look.haze_color(dir);
-        Tint {
-            ambient: lit.0.lerp(sky, far),
-            sun: lit.1 * (1.0 - far),
-            emitted: layer.color * (EMITTED * layer.glow * (1.0 - far)),
-        }
+fn tint_of(layer: &Layer, look: &Look, sun: f32, open: f32, haze: f32) -> Tint {
+    let (ambient, sun) = look.dim_light(layer.color, sun, open);
+    let at = layer.middle();
+    let far = Look::haze(at.length(), haze);
+    Tint {
+        ambient: ambient.lerp(look.haze_color(at.normalize_or(Vec3::Z)), far),
+        sun: sun * (1.0 - far),
+        emitted: layer.color * (EMITTED * layer.glow * (1.0 - far)),
     }
 }
 
