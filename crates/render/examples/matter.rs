@@ -40,10 +40,13 @@ fn smoke(extras: &mut Extras, count: u32) {
             0.9 + 4.6 * age + 0.2 * random.bell(),
             curl[1] + 0.33 * wide * random.bell(),
         );
-        let grey = mix([0.20, 0.19, 0.19], [0.62, 0.61, 0.62], f32s::min(age * 1.6, 1.0));
+        // A few dark puffs among many light ones give the cloud its lumps.
+        let shade = random.next();
+        let grey =
+            mix([0.42, 0.40, 0.39], [0.78, 0.77, 0.77], f32s::min(age * 1.3, 1.0) * (0.5 + 0.5 * shade));
         let fade = f32s::min(age * 8.0, 1.0) * (1.0 - age);
-        let size = (0.10 + 0.42 * age) * (0.7 + 0.6 * random.next());
-        let opacity = fade * 0.34 * f32s::min(5000.0 / count as f32, 1.0);
+        let size = (0.08 + 0.30 * age) * (0.5 + 1.0 * random.next());
+        let opacity = fade * 0.26 * f32s::min(5000.0 / count as f32, 1.0);
         extras.balls.push(Ball::new(at.as_dvec3(), size, grey).soft().opacity(opacity));
     }
 }
@@ -60,13 +63,13 @@ fn fire(extras: &mut Extras) {
             out * random.bell() * 0.8,
         );
         let color = if age < 0.35 {
-            mix([1.0, 0.82, 0.36], [1.0, 0.55, 0.10], age / 0.35)
+            mix([1.0, 0.72, 0.20], [1.0, 0.45, 0.05], age / 0.35)
         } else {
-            mix([1.0, 0.55, 0.10], [0.75, 0.12, 0.03], (age - 0.35) / 0.65)
+            mix([1.0, 0.45, 0.05], [0.70, 0.10, 0.02], (age - 0.35) / 0.65)
         };
         let size = (0.17 - 0.10 * age) * (0.7 + 0.6 * random.next());
         let opacity = 0.20 * (1.0 - age * age);
-        extras.balls.push(Ball::new(at.as_dvec3(), size, color).soft().opacity(opacity).glow(0.85));
+        extras.balls.push(Ball::new(at.as_dvec3(), size, color).soft().opacity(opacity).glow(0.7));
     }
     for _ in 0..60 {
         let (age, turn) = (random.next(), random.next() * std::f32::consts::TAU);
@@ -86,7 +89,7 @@ fn cloth(extras: &mut Extras) {
     const N: usize = 25;
     let at = |i: usize, j: usize| {
         let (u, v) = (i as f64 / (N - 1) as f64, j as f64 / (N - 1) as f64);
-        let wave = 0.16 * v * f64s::sin(u * 9.0 + v * 2.0) + 0.10 * v * f64s::sin(u * 4.0 - v * 5.0);
+        let wave = 0.20 * v * f64s::sin(u * 16.0 + v * 2.0) + 0.14 * v * f64s::sin(u * 7.0 - v * 6.0);
         DVec3::new(1.0 + 1.7 * u + 0.05 * v * f64s::sin(u * 6.0), 2.35 - 1.75 * v, wave - 0.3)
     };
     let points: Vec<DVec3> = (0..N * N).map(|k| at(k % N, k / N)).collect();

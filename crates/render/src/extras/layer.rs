@@ -25,6 +25,8 @@ const LAYERS_MAX: usize = 512;
 const HIDDEN: f32 = 0.004;
 /// Least radius on the picture, pixels: thinner things are drawn this thick, and fainter.
 const RADIUS_MIN_PX: f32 = 0.7;
+/// Of soft balls, whose rim cannot be seen: no grain may slip between the rays of neighbouring pixels.
+const SOFT_RADIUS_MIN_PX: f32 = 1.4;
 /// However thin, this part of the opacity stays.
 const FAINTEST: f32 = 0.12;
 
@@ -92,7 +94,8 @@ pub(crate) struct Probe {
 impl Layer {
     /// Radius and part of the opacity with which a thing at distance `t` is drawn.
     fn shown(&self, t: f32, pixel_angle: f32) -> (f32, f32) {
-        let least = t * pixel_angle * RADIUS_MIN_PX;
+        let pixels = if self.kind == Kind::Soft { SOFT_RADIUS_MIN_PX } else { RADIUS_MIN_PX };
+        let least = t * pixel_angle * pixels;
         if self.radius >= least {
             return (self.radius, 1.0);
         }

@@ -16,6 +16,8 @@ mod layer;
 mod prepare;
 mod solid;
 mod sweep;
+#[cfg(test)]
+mod tests;
 mod tiles;
 
 pub(crate) use layer::Bag;
