@@ -2,6 +2,7 @@
 //!
 //! * [`render()`]: a [`Camera`], a world (as a [`Stage`]; any [`Tracer`]) and an [`Overlay`] give an [`Image`].
 //! * [`render_with()`] also draws [`Extras`]: particles, smoke, fire, springs, trails, cloth.
+//! * [`Trails`]: where moving points have been.
 //! * [`Image`]: pixels, and PNG files; [`Film`]: animated GIFs.
 //! * [`Plot`]: curves over time as SVG or as an [`Image`].
 //!
@@ -20,6 +21,7 @@ mod plot;
 mod render;
 mod text;
 mod tracer;
+mod trails;
 mod world;
 
 pub use camera::Camera;
@@ -33,6 +35,7 @@ pub use plot::{Plot, Series, Style};
 pub use render::{RenderOptions, render, render_with};
 pub use text::draw as draw_text;
 pub use tracer::{Hit, Tracer};
+pub use trails::Trails;
 pub use world::{Paint, Stage, contact_overlay, default_skin, sensor_overlay};
 
 #[cfg(test)]

@@ -3,8 +3,12 @@
 use crate::error::{RenderError, Result, encode};
 use crate::image::Image;
 use crate::text;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
+use std::ops::Range;
 use std::sync::Once;
 
 /// How a series is drawn.
@@ -28,6 +32,8 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Look.
     pub style: Style,
+    /// Which of the colours; by default each series has its own.
+    pub color: Option<usize>,
 }
 
 /// A diagram.
@@ -45,6 +51,8 @@ pub struct Plot {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// The y axis is logarithmic; points that are not above 0 break the line.
+    pub log_y: bool,
 }
 
 impl Default for Plot {
@@ -56,12 +64,15 @@ impl Default for Plot {
             series: Vec::new(),
             width: 960,
             height: 540,
+            log_y: false,
         }
     }
 }
 
 /// Colours of curves, told apart also by the colour-blind (after Okabe and Ito 2008).
 const COLORS: [u32; 8] = [0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00, 0x5B5B5B, 0x8C6BB1];
+
+const INK: RGBColor = RGBColor(40, 48, 60);
 
 fn color(i: usize) -> RGBColor {
     let c = COLORS[i % COLORS.len()];
@@ -104,17 +115,32 @@ impl Plot {
         })
     }
 
-    /// Range of the finite values of a coordinate, widened by `margin` of itself.
-    fn range(&self, axis: usize, margin: f64) -> Result<std::ops::Range<f64>> {
+    /// Can a point be drawn?
+    fn fits(&self, p: &[f64; 2]) -> bool {
+        p[0].is_finite() && p[1].is_finite() && (p[1] > 0.0 || !self.log_y)
+    }
+
+    /// Stretches of points that can be drawn.
+    fn runs<'a>(&'a self, points: &'a [[f64; 2]]) -> impl Iterator<Item = &'a [[f64; 2]]> {
+        points.split(|p| !self.fits(p)).filter(|r| !r.is_empty())
+    }
+
+    /// Range of a coordinate, widened by `margin` of itself.
+    fn range(&self, axis: usize, margin: f64) -> Result<Range<f64>> {
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for p in self.series.iter().flat_map(|s| &s.points) {
-            if p[0].is_finite() && p[1].is_finite() {
-                lo = if p[axis] < lo { p[axis] } else { lo };
-                hi = if p[axis] > hi { p[axis] } else { hi };
-            }
+        for p in self.series.iter().flat_map(|s| &s.points).filter(|p| self.fits(p)) {
+            lo = if p[axis] < lo { p[axis] } else { lo };
+            hi = if p[axis] > hi { p[axis] } else { hi };
         }
         if lo > hi {
-            return Err(encode("plot", "no finite points to draw"));
+            let what =
+                if self.log_y { "no finite points above 0 to draw" } else { "no finite points to draw" };
+            return Err(encode("plot", what));
+        }
+        if axis == 1 && self.log_y {
+            // At least a factor of two, and a margin in the logarithm.
+            let factor = (hi / lo).max(2.0).min(1e300).powf(margin) * if hi / lo < 2.0 { 1.5 } else { 1.0 };
+            return Ok((lo / factor).max(f64::MIN_POSITIVE)..(hi * factor).min(f64::MAX));
         }
         let span = hi - lo;
         // A constant needs some room, or rounding noise would fill the picture.
@@ -123,15 +149,35 @@ impl Plot {
         Ok(lo - pad..hi + pad)
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, plotters::coord::Shift>) -> Result<()> {
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
         use_font()?;
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
         let (x, y) = (self.range(0, 0.0)?, self.range(1, 0.06)?);
         let x = if x.end > x.start { x } else { x.start - 0.5..x.end + 0.5 };
-        let ink = RGBColor(40, 48, 60);
-        let font = |size: i32| ("sans-serif", size).into_font().color(&ink);
         area.fill(&WHITE).map_err(fail)?;
-        let digits = (decimals(&x), decimals(&y));
+        if self.log_y {
+            self.chart(area, x, y.log_scale(), &power)?;
+        } else {
+            let digits = decimals(&y);
+            self.chart(area, x, y, &|v| number(*v, digits))?;
+        }
+        area.present().map_err(fail)
+    }
+
+    fn chart<B: DrawingBackend, Y>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        x: Range<f64>,
+        y: Y,
+        y_label: &dyn Fn(&f64) -> String,
+    ) -> Result<()>
+    where
+        Y: AsRangedCoord<Value = f64>,
+        Y::CoordDescType: ValueFormatter<f64>,
+    {
+        let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
+        let font = |size: i32| ("sans-serif", size).into_font().color(&INK);
+        let x_digits = decimals(&x);
         let mut builder = ChartBuilder::on(area);
         builder.margin(14).margin_right(26).x_label_area_size(46).y_label_area_size(78);
         if !self.title.is_empty() {
@@ -144,8 +190,8 @@ impl Plot {
             .y_desc(&self.y_label)
             .x_labels(10)
             .y_labels(8)
-            .x_label_formatter(&|v| number(*v, digits.0))
-            .y_label_formatter(&|v| number(*v, digits.1))
+            .x_label_formatter(&|v| number(*v, x_digits))
+            .y_label_formatter(y_label)
             .label_style(font(14))
             .axis_desc_style(font(15))
             .axis_style(ShapeStyle::from(&RGBColor(120, 128, 140)).stroke_width(1))
@@ -154,12 +200,30 @@ impl Plot {
             .max_light_lines(4)
             .draw()
             .map_err(fail)?;
+        self.curves(&mut chart)?;
+        chart
+            .configure_series_labels()
+            .position(SeriesLabelPosition::UpperRight)
+            .margin(10)
+            .legend_area_size(32)
+            .label_font(font(15))
+            .background_style(WHITE.mix(0.88))
+            .border_style(RGBColor(205, 210, 218))
+            .draw()
+            .map_err(fail)
+    }
+
+    fn curves<'a, B: DrawingBackend + 'a, Y: Ranged<ValueType = f64>>(
+        &self,
+        chart: &mut ChartContext<'a, B, Cartesian2d<RangedCoordf64, Y>>,
+    ) -> Result<()> {
+        let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
         for (i, s) in self.series.iter().enumerate() {
-            let c = color(i);
+            let c = color(s.color.unwrap_or(i));
             let line = c.stroke_width(2);
             match s.style {
                 Style::Dots => {
-                    let dots = finite_runs(&s.points).flatten();
+                    let dots = self.runs(&s.points).flatten();
                     chart
                         .draw_series(dots.map(|p| Circle::new((p[0], p[1]), 2, c.filled())))
                         .map_err(fail)?
@@ -169,7 +233,7 @@ impl Plot {
                 Style::Solid | Style::Dashed => {
                     let dashed = s.style == Style::Dashed;
                     let mut named = false;
-                    for run in finite_runs(&s.points) {
+                    for run in self.runs(&s.points) {
                         let points = run.iter().map(|p| (p[0], p[1]));
                         let drawn = if dashed {
                             chart.draw_series(DashedLineSeries::new(points, 7, 5, line)).map_err(fail)?
@@ -189,27 +253,18 @@ impl Plot {
                 }
             }
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .margin(10)
-            .legend_area_size(32)
-            .label_font(font(15))
-            .background_style(WHITE.mix(0.88))
-            .border_style(RGBColor(205, 210, 218))
-            .draw()
-            .map_err(fail)?;
-        area.present().map_err(fail)
+        Ok(())
     }
 }
 
-/// Stretches of finite points.
-fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
-    points.split(|p| !(p[0].is_finite() && p[1].is_finite())).filter(|r| !r.is_empty())
+/// Label of a logarithmic axis.
+fn power(v: &f64) -> String {
+    let plain = (1e-3..1e5).contains(v);
+    if plain { format!("{}", (v * 1e6).round() / 1e6) } else { format!("{v:.0e}") }
 }
 
 /// Decimals that tell the labels of a range apart.
-fn decimals(r: &std::ops::Range<f64>) -> usize {
+fn decimals(r: &Range<f64>) -> usize {
     let span = r.end - r.start;
     let mut step = span / 10.0;
     let mut n = 0;
@@ -255,12 +310,13 @@ mod tests {
                 Series {
                     name: "engine".into(),
                     points: times().map(|t| [t, y(t)]).collect(),
-                    style: Style::Solid,
+                    ..Series::default()
                 },
                 Series {
                     name: "½ g t²".into(),
                     points: times().map(|t| [t, y(t) + 0.2]).collect(),
                     style: Style::Dashed,
+                    color: None,
                 },
             ],
             ..Plot::default()
@@ -290,9 +346,14 @@ mod tests {
     #[test]
     fn odd_data_is_no_panic() {
         let with = |points: Vec<[f64; 2]>| Plot {
-            series: vec![Series { name: "a".into(), points, style: Style::Solid }],
+            series: vec![Series { name: "a".into(), points, ..Series::default() }],
             ..Plot::default()
         };
+        let log = |points: Vec<[f64; 2]>| Plot { log_y: true, ..with(points) };
+        assert!(log(vec![[0.0, -1.0], [1.0, 0.0]]).svg().is_err());
+        assert!(log(vec![[0.0, 3.0], [1.0, 0.0], [2.0, 3.0]]).svg().is_ok());
+        assert!(log(vec![[0.0, 1e-300], [1.0, 1e300], [2.0, f64::NAN]]).svg().is_ok());
+        assert!(log(vec![[0.0, 5e-324], [1.0, f64::MAX]]).svg().is_ok());
         assert!(with(vec![]).svg().is_err());
         assert!(with(vec![[f64::NAN, 1.0]]).svg().is_err());
         assert!(with(vec![[0.0, 1.0]]).svg().is_ok());
