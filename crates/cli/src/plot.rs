@@ -75,6 +75,9 @@ fn unit(probe: &ProbeSpec) -> &'static str {
     }
 }
 
+/// Most expectations of a scene that stand in the legend.
+const NAMED_DOTS_MAX: usize = 4;
+
 /// What is drawn of the scenes so far.
 struct Curves {
     series: Vec<Series>,
@@ -103,6 +106,7 @@ impl Curves {
         let samples = simulation.samples();
         let expected = simulation.finish().expectations;
         let of = if a.scenes.len() > 1 { format!("{}: ", scene.name()) } else { String::new() };
+        let mut dots = 0;
         for probe in &a.y {
             let color = Some(self.units.len());
             self.units.push(spec.probes.get(probe).map_or("", unit));
@@ -111,7 +115,10 @@ impl Curves {
             self.series.push(Series { name: format!("{of}{probe}"), points, style: Style::Solid, color });
             for e in expected.iter().filter(|e| &e.probe == probe) {
                 let Expected::Value(v) = e.expected else { continue };
-                let name = format!("{of}expected: {}", e.name);
+                // Many names would hide the curves.
+                let name =
+                    if dots < NAMED_DOTS_MAX { format!("{of}expected: {}", e.name) } else { String::new() };
+                dots += 1;
                 self.series.push(Series { name, points: vec![[e.at, v]], style: Style::Dots, color });
             }
         }

@@ -117,8 +117,8 @@ pub struct Painter<'a> {
     pub contacts: bool,
 }
 
-/// Width of trails where the scene gives none, m.
-const TRAIL_WIDTH: f32 = 0.04;
+/// Width of trails where the scene gives none, as a part of the camera's distance from its target.
+const TRAIL_WIDTH: f64 = 0.005;
 
 impl<'a> Painter<'a> {
     pub fn new(scene: &'a Scene, simulation: &Simulation, size: (u32, u32), threads: Option<u32>) -> Self {
@@ -149,7 +149,8 @@ impl<'a> Painter<'a> {
             ..RenderOptions::default()
         };
         let trails = spec.render.as_ref().and_then(|r| r.trails.as_ref());
-        let trails = trails.map(|t| Trails::new(t.seconds, t.width.unwrap_or(TRAIL_WIDTH)));
+        let width = ((camera.target - camera.position).length() * TRAIL_WIDTH) as f32;
+        let trails = trails.map(|t| Trails::new(t.seconds, t.width.unwrap_or(width)));
         let followed = DVec3::ZERO;
         let mut painter = Self { scene, options, camera, followed, trails, caption: false, contacts: false };
         painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);

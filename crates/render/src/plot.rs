@@ -26,7 +26,7 @@ pub enum Style {
 /// One curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Name in the legend.
+    /// Name in the legend; without one it is not there.
     pub name: String,
     /// x, y. A point that is not finite breaks the line.
     pub points: Vec<[f64; 2]>,
@@ -72,6 +72,9 @@ impl Default for Plot {
 /// Colours of curves, told apart also by the colour-blind (after Okabe and Ito 2008).
 const COLORS: [u32; 8] = [0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00, 0x5B5B5B, 0x8C6BB1];
 
+/// Pictures of more pixels are drawn without smoothing.
+const FINE_PIXELS_MAX: u32 = 4_000_000;
+
 const INK: RGBColor = RGBColor(40, 48, 60);
 
 fn color(i: usize) -> RGBColor {
@@ -86,7 +89,7 @@ impl Plot {
     /// Nothing to draw, or a size that no picture can have.
     pub fn svg(&self) -> Result<String> {
         let mut out = String::new();
-        self.draw(&SVGBackend::with_string(&mut out, self.size()?).into_drawing_area())?;
+        self.draw(&SVGBackend::with_string(&mut out, self.size()?).into_drawing_area(), 1)?;
         Ok(out)
     }
 
@@ -96,12 +99,24 @@ impl Plot {
     /// As [`Plot::svg`].
     pub fn image(&self) -> Result<Image> {
         let (w, h) = self.size()?;
-        let mut bytes = vec![255_u8; w as usize * h as usize * 3];
+        // Drawn three times as large and averaged: the library's own lines have stairs.
+        let s = if w * h <= FINE_PIXELS_MAX { 3 } else { 1 };
+        let mut bytes = vec![255_u8; (w * s) as usize * (h * s) as usize * 3];
         {
-            let area = BitMapBackend::with_buffer(&mut bytes, (w, h)).into_drawing_area();
-            self.draw(&area)?;
+            let area = BitMapBackend::with_buffer(&mut bytes, (w * s, h * s)).into_drawing_area();
+            self.draw(&area, s)?;
         }
-        Image::from_pixels(w, h, bytes.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect())
+        let row = (w * s * 3) as usize;
+        let s = s as usize;
+        let mean = |x: usize, y: usize, k: usize| {
+            let cells = (0..s).flat_map(|j| (0..s).map(move |i| (i, j)));
+            let sum: usize =
+                cells.map(|(i, j)| usize::from(bytes[(y * s + j) * row + (x * s + i) * 3 + k])).sum();
+            ((sum + s * s / 2) / (s * s)) as u8
+        };
+        let (columns, lines) = (w as usize, h as usize);
+        let pixels = (0..lines).flat_map(|y| (0..columns).map(move |x| (x, y)));
+        Image::from_pixels(w, h, pixels.map(|(x, y)| [0, 1, 2].map(|k| mean(x, y, k))).collect())
     }
 
     fn size(&self) -> Result<(u32, u32)> {
@@ -149,17 +164,20 @@ impl Plot {
         Ok(lo - pad..hi + pad)
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<()> {
+    /// Draws with every length multiplied by `s`.
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, s: u32) -> Result<()> {
         use_font()?;
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
         let (x, y) = (self.range(0, 0.0)?, self.range(1, 0.06)?);
         let x = if x.end > x.start { x } else { x.start - 0.5..x.end + 0.5 };
         area.fill(&WHITE).map_err(fail)?;
+        let corner = self.free_corner(&x, &y);
         if self.log_y {
-            self.chart(area, x, y.log_scale(), &power)?;
+            let ticks = powers(&y);
+            self.chart(area, s, x, y.log_scale().with_key_points(ticks), &power, corner)?;
         } else {
             let digits = decimals(&y);
-            self.chart(area, x, y, &|v| number(*v, digits))?;
+            self.chart(area, s, x, y, &|v| number(*v, digits), corner)?;
         }
         area.present().map_err(fail)
     }
@@ -167,19 +185,21 @@ impl Plot {
     fn chart<B: DrawingBackend, Y>(
         &self,
         area: &DrawingArea<B, Shift>,
+        s: u32,
         x: Range<f64>,
         y: Y,
         y_label: &dyn Fn(&f64) -> String,
+        corner: SeriesLabelPosition,
     ) -> Result<()>
     where
         Y: AsRangedCoord<Value = f64>,
         Y::CoordDescType: ValueFormatter<f64>,
     {
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
-        let font = |size: i32| ("sans-serif", size).into_font().color(&INK);
+        let font = |size: u32| ("sans-serif", size * s).into_font().color(&INK);
         let x_digits = decimals(&x);
         let mut builder = ChartBuilder::on(area);
-        builder.margin(14).margin_right(26).x_label_area_size(46).y_label_area_size(78);
+        builder.margin(14 * s).margin_right(26 * s).x_label_area_size(46 * s).y_label_area_size(78 * s);
         if !self.title.is_empty() {
             builder.caption(&self.title, font(20));
         }
@@ -194,21 +214,22 @@ impl Plot {
             .y_label_formatter(y_label)
             .label_style(font(14))
             .axis_desc_style(font(15))
-            .axis_style(ShapeStyle::from(&RGBColor(120, 128, 140)).stroke_width(1))
-            .bold_line_style(RGBColor(222, 226, 232))
-            .light_line_style(RGBColor(243, 245, 248))
+            .set_all_tick_mark_size(5 * s)
+            .axis_style(ShapeStyle::from(&RGBColor(120, 128, 140)).stroke_width(s))
+            .bold_line_style(RGBColor(222, 226, 232).stroke_width(s))
+            .light_line_style(RGBColor(243, 245, 248).stroke_width(s))
             .max_light_lines(4)
             .draw()
             .map_err(fail)?;
-        self.curves(&mut chart)?;
+        self.curves(&mut chart, s)?;
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .margin(10)
-            .legend_area_size(32)
+            .position(corner)
+            .margin(10 * s)
+            .legend_area_size(32 * s)
             .label_font(font(15))
             .background_style(WHITE.mix(0.88))
-            .border_style(RGBColor(205, 210, 218))
+            .border_style(RGBColor(205, 210, 218).stroke_width(s))
             .draw()
             .map_err(fail)
     }
@@ -216,45 +237,87 @@ impl Plot {
     fn curves<'a, B: DrawingBackend + 'a, Y: Ranged<ValueType = f64>>(
         &self,
         chart: &mut ChartContext<'a, B, Cartesian2d<RangedCoordf64, Y>>,
+        s: u32,
     ) -> Result<()> {
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
-        for (i, s) in self.series.iter().enumerate() {
-            let c = color(s.color.unwrap_or(i));
-            let line = c.stroke_width(2);
-            match s.style {
-                Style::Dots => {
-                    let dots = self.runs(&s.points).flatten();
-                    chart
-                        .draw_series(dots.map(|p| Circle::new((p[0], p[1]), 2, c.filled())))
-                        .map_err(fail)?
-                        .label(&s.name)
-                        .legend(move |(x, y)| Circle::new((x + 12, y), 3, c.filled()));
+        let px = s as i32;
+        for (i, series) in self.series.iter().enumerate() {
+            let c = color(series.color.unwrap_or(i));
+            let line = c.stroke_width(2 * s);
+            let (dots, dashed) = (series.style == Style::Dots, series.style == Style::Dashed);
+            let mut named = series.name.is_empty();
+            for run in self.runs(&series.points) {
+                let points = run.iter().map(|p| (p[0], p[1]));
+                let drawn = if dots {
+                    chart.draw_series(points.map(|p| Circle::new(p, 3 * s, c.filled())))
+                } else if dashed {
+                    chart.draw_series(DashedLineSeries::new(points, 7 * s, 5 * s, line))
+                } else {
+                    chart.draw_series(LineSeries::new(points, line))
+                };
+                let drawn = drawn.map_err(fail)?;
+                if std::mem::replace(&mut named, true) {
+                    continue;
                 }
-                Style::Solid | Style::Dashed => {
-                    let dashed = s.style == Style::Dashed;
-                    let mut named = false;
-                    for run in self.runs(&s.points) {
-                        let points = run.iter().map(|p| (p[0], p[1]));
-                        let drawn = if dashed {
-                            chart.draw_series(DashedLineSeries::new(points, 7, 5, line)).map_err(fail)?
-                        } else {
-                            chart.draw_series(LineSeries::new(points, line)).map_err(fail)?
-                        };
-                        if !std::mem::replace(&mut named, true) {
-                            drawn.label(&s.name).legend(move |(x, y)| {
-                                let end = if dashed { x + 9 } else { x + 24 };
-                                let second = if dashed { x + 15 } else { x };
-                                let parts = [[(x, y), (end, y)], [(second, y), (x + 24, y)]];
-                                let element = EmptyElement::at((0, 0));
-                                element + PathElement::new(parts[0], line) + PathElement::new(parts[1], line)
-                            });
-                        }
-                    }
+                let drawn = drawn.label(&series.name);
+                if dots {
+                    drawn.legend(move |(x, y)| Circle::new((x + 12 * px, y), 3 * s, c.filled()));
+                } else {
+                    let (end, second) = if dashed { (9 * px, 15 * px) } else { (24 * px, 0) };
+                    drawn.legend(move |(x, y)| {
+                        let parts = [[(x, y), (x + end, y)], [(x + second, y), (x + 24 * px, y)]];
+                        let element = EmptyElement::at((0, 0));
+                        element + PathElement::new(parts[0], line) + PathElement::new(parts[1], line)
+                    });
                 }
             }
         }
         Ok(())
     }
+
+    /// The corner with the fewest points, for the legend.
+    fn free_corner(&self, x: &Range<f64>, y: &Range<f64>) -> SeriesLabelPosition {
+        let level = |v: f64| if self.log_y { v.ln() } else { v };
+        let part = |v: f64, lo: f64, hi: f64| (v - lo) / (hi - lo);
+        let mut counts = [0_usize; 4];
+        for p in self.series.iter().flat_map(|s| &s.points).filter(|p| self.fits(p)) {
+            let u = part(p[0], x.start, x.end);
+            let v = part(level(p[1]), level(y.start), level(y.end));
+            if (0.4..=0.6).contains(&u) {
+                continue;
+            }
+            // Upper right, upper left, lower right, lower left; the legend is about a third high.
+            let corner = usize::from(u < 0.5) + if v > 0.64 { 0 } else { 2 };
+            if v > 0.64 || v < 0.36 {
+                counts[corner] += 1;
+            }
+        }
+        let least = (0..4).min_by_key(|&k| counts[k]).unwrap_or(0);
+        [
+            SeriesLabelPosition::UpperRight,
+            SeriesLabelPosition::UpperLeft,
+            SeriesLabelPosition::LowerRight,
+            SeriesLabelPosition::LowerLeft,
+        ]
+        .into_iter()
+        .nth(least)
+        .unwrap_or(SeriesLabelPosition::UpperRight)
+    }
+}
+
+/// Marks of a logarithmic axis: powers of ten, at most a dozen; between few of them also their multiples.
+fn powers(y: &Range<f64>) -> Vec<f64> {
+    let (lo, hi) = (y.start.log10(), y.end.log10());
+    let decades = hi - lo;
+    let multiples: &[f64] = match decades {
+        d if d < 1.3 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+        d if d < 4.0 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    let stride = (decades / 12.0).ceil().max(1.0) as usize;
+    let exponents = (lo.floor() as i32..=hi.ceil() as i32).step_by(stride);
+    let marks = exponents.flat_map(|e| multiples.iter().map(move |m| m * 10_f64.powi(e)));
+    marks.filter(|v| y.contains(v)).collect()
 }
 
 /// Label of a logarithmic axis.

@@ -27,8 +27,9 @@ const HIDDEN: f32 = 0.004;
 const RADIUS_MIN_PX: f32 = 0.7;
 /// Of soft balls, whose rim cannot be seen: no grain may slip between the rays of neighbouring pixels.
 const SOFT_RADIUS_MIN_PX: f32 = 1.4;
-/// However thin, this part of the opacity stays.
+/// However thin, this part of the opacity stays: of grains, and of lines.
 const FAINTEST: f32 = 0.12;
+const FAINTEST_ROD: f32 = 0.3;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Kind {
@@ -99,7 +100,8 @@ impl Layer {
         if self.radius >= least {
             return (self.radius, 1.0);
         }
-        (least, f32s::max(self.radius / least, FAINTEST))
+        let rod = matches!(self.kind, Kind::Round | Kind::Flat);
+        (least, f32s::max(self.radius / least, if rod { FAINTEST_ROD } else { FAINTEST }))
     }
 
     /// Around what stops light.

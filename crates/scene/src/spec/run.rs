@@ -257,6 +257,6 @@ pub struct TrailsSpec {
     pub bodies: Vec<String>,
     /// How long a trail stays, s. Default: as long as the run.
     pub seconds: Option<f64>,
-    /// Width, m. Default 0.04.
+    /// Width, m. Default: a 200th of the camera's distance from its target.
     pub width: Option<f32>,
 }
