@@ -105,7 +105,10 @@ impl Curves {
         bar.finish_and_clear();
         let samples = simulation.samples();
         let expected = simulation.finish().expectations;
-        let of = if a.scenes.len() > 1 { format!("{}: ", scene.name()) } else { String::new() };
+        // Two files may hold scenes of one name.
+        let name = scene.name().to_string();
+        let name = if self.names.contains(&name) { path.display().to_string() } else { name };
+        let of = if a.scenes.len() > 1 { format!("{name}: ") } else { String::new() };
         let mut dots = 0;
         for probe in &a.y {
             let color = Some(self.units.len());
@@ -122,7 +125,7 @@ impl Curves {
                 self.series.push(Series { name, points: vec![[e.at, v]], style: Style::Dots, color });
             }
         }
-        self.names.push(scene.name().to_string());
+        self.names.push(name);
         Ok(())
     }
 }

@@ -154,7 +154,8 @@ impl Plot {
         }
         if axis == 1 && self.log_y {
             // At least a factor of two, and a margin in the logarithm.
-            let factor = (hi / lo).max(2.0).min(1e300).powf(margin) * if hi / lo < 2.0 { 1.5 } else { 1.0 };
+            let ratio = hi / lo;
+            let factor = ratio.clamp(2.0, 1e300).powf(margin) * if ratio < 2.0 { 1.5 } else { 1.0 };
             return Ok((lo / factor).max(f64::MIN_POSITIVE)..(hi * factor).min(f64::MAX));
         }
         let span = hi - lo;
@@ -288,7 +289,7 @@ impl Plot {
             }
             // Upper right, upper left, lower right, lower left; the legend is about a third high.
             let corner = usize::from(u < 0.5) + if v > 0.64 { 0 } else { 2 };
-            if v > 0.64 || v < 0.36 {
+            if !(0.36..=0.64).contains(&v) {
                 counts[corner] += 1;
             }
         }
