@@ -139,16 +139,16 @@ mod tests {
             let mut trails = Trails::new(seconds, 0.1);
             for step in 0..50_000_u32 {
                 let t = f64::from(step) / 240.0;
-                trails.record(1, t, [t, 0.0, 0.0], [1.0, 0.0, 0.0]);
+                trails.record(1, t, [20.0 * t, 0.0, 0.0], [1.0, 0.0, 0.0]);
             }
             let now = 49_999.0 / 240.0;
             let r = rods(&trails, now);
             assert!(r.len() > POINTS_MAX / 3 && r.len() <= POINTS_MAX + 1, "{}", r.len());
             let last = r.last().expect("some");
-            assert!(last.b.x == now && last.opacity > 0.85 && last.radius <= 0.05);
+            assert!(last.b.x == 20.0 * now && last.opacity > 0.85 && last.radius <= 0.05);
             assert!(r[0].opacity < last.opacity * 0.45, "{}", r[0].opacity);
             let start = seconds.map_or(0.0, |s| now - s);
-            assert!((r[0].a.x - start).abs() < 0.02, "{} {start}", r[0].a.x);
+            assert!((r[0].a.x / 20.0 - start).abs() < 0.02, "{} {start}", r[0].a.x);
             for w in r.windows(2) {
                 assert!(w[0].b == w[1].a && w[0].opacity <= w[1].opacity);
             }
