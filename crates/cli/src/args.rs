@@ -57,7 +57,7 @@ pub struct RunArgs {
     /// Write the probes as a CSV file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Sample every N steps for --csv
+    /// Sample probes every N steps for --csv; expectations are judged at every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
 }
@@ -101,11 +101,15 @@ pub struct RenderArgs {
 pub struct PlotArgs {
     #[command(flatten)]
     pub common: Common,
-    /// Scene file
-    pub scene: PathBuf,
+    /// Scene files; several are drawn into one diagram
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
     /// Probes to plot, separated by commas
     #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
     pub y: Vec<String>,
+    /// Logarithmic y axis
+    #[arg(long)]
+    pub log_y: bool,
     /// Diagram to write: .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
