@@ -28,5 +28,6 @@ pub use manifold::{FACE_A, FACE_B, Manifold, ManifoldPoint, ManifoldSet, NO_SUB,
 pub use pairs::collide;
 pub use shapes::compound::Compound;
 pub use shapes::height_field::HeightField;
+pub use shapes::triangle::closest_point as closest_point_of_triangle;
 pub use shapes::{MassProperties, PointHit, RayHit, Shape};
 pub use tree::Bvh;

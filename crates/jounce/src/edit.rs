@@ -69,6 +69,13 @@ impl World {
             C::SetMaterial(s, m) => self.do_set_material(s, m)?,
             C::SetFilter(s, f) => self.do_set_filter(s, f)?,
             C::SetAero(..) | C::AddField(_) | C::RemoveField(_) | C::SetField(..) | C::Explode(_) => {}
+            C::AddEmitter(d) => return self.do_add_emitter(*d).map(Output::Emitter),
+            C::RemoveEmitter(e) => self.do_remove_emitter(e)?,
+            C::SetEmitter(e, d) => self.do_set_emitter(e, *d)?,
+            C::SetEmitterEnabled(e, on) => self.do_enable_emitter(e, on)?,
+            C::EmitBurst(e, n) => self.do_emit_burst(e, n)?,
+            C::EmitParticles(e, spawns) => self.do_emit_particles(e, &spawns)?,
+            C::ClearParticles(e) => self.do_clear_particles(e)?,
             C::SetGravity(g) => self.do_set_gravity(g)?,
             C::SetSettings(s) => {
                 s.check()?;
