@@ -11,7 +11,7 @@ use crate::room::fields::desc::{FieldLaw, Region};
 use crate::room::particles::prepare::{EmitterStep, ends, schedule};
 use crate::room::particles::solve::{self, Advance, Medium, Out, Scratch};
 use crate::room::particles::state::{Block, Emitter, LANES, Particles};
-use crate::room::particles::{collide, obstacles, settle, view};
+use crate::room::particles::{collide, obstacles, on_plane, settle, view};
 use crate::world::World;
 use jounce_lanes::dispatch;
 use jounce_math::{DVec3, Vec3};
@@ -257,6 +257,7 @@ fn meet(
 ) {
     let near = out.obstacles.iter().fold(0, |bits, o| bits | o.near);
     let mut lanes = near & solve::in_use(block.count) & !next.dead & !held;
+    lanes &= !on_plane::run(world.width, block, next, rules, &out.obstacles, lanes);
     let shape = |slot: u32| &world.shapes[slot].shape;
     while lanes != 0 {
         let l = lanes.trailing_zeros() as usize;

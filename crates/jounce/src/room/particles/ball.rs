@@ -5,6 +5,7 @@
 //! root (see `jounce_geometry::cast_shape`, which does the same for two shapes), and is exact after one step against a face.
 //! Most shapes are told apart by the first distance alone. Surfaces are swept triangle by triangle.
 
+use super::state::FREE;
 use crate::limits::PARTICLE_SWEEP_ITERATIONS_MAX;
 use jounce_geometry::{Aabb, Shape, closest_point_of_triangle};
 use jounce_math::{Pose, Vec3, scalar::f32s};
@@ -39,23 +40,22 @@ impl Ball {
 
 /// The ball starts at `from`, in the shape's frame, and moves by `motion`. A ball that touches at the start counts as
 /// touching there when it goes on into the shape, or is in deeper than its skin.
-pub(crate) fn sweep(shape: &Shape, from: Vec3, motion: Vec3, ball: Ball, max_t: f32) -> Option<Touch> {
+///
+/// `around` remembers the triangles of one surface between the sweeps of one ball.
+pub(crate) fn sweep(
+    (shape, slot): (&Shape, u32),
+    from: Vec3,
+    motion: Vec3,
+    ball: Ball,
+    max_t: f32,
+    around: &mut Around,
+) -> Option<Touch> {
     match shape {
         Shape::HalfSpace { normal, offset } => plane(*normal, *offset, from, motion, ball, max_t),
-        Shape::Mesh(mesh) => {
+        Shape::Mesh(_) | Shape::HeightField(_) => {
             let mut best = None;
-            mesh.overlapping(&bounds(from, motion, ball), |i| {
-                triangle(&mesh.triangle(i), from, motion, ball, max_t, &mut best);
-            });
-            best
-        }
-        Shape::HeightField(field) => {
-            let mut best = None;
-            field.overlapping(&bounds(from, motion, ball), |i| {
-                if let Some(t) = field.triangle(i) {
-                    triangle(&t, from, motion, ball, max_t, &mut best);
-                }
-            });
+            let near = bounds(from, motion, ball);
+            around.visit((shape, slot), &near, motion, |t| triangle(t, from, motion, ball, max_t, &mut best));
             best
         }
         Shape::Compound(c) => {
@@ -63,7 +63,7 @@ pub(crate) fn sweep(shape: &Shape, from: Vec3, motion: Vec3, ball: Ball, max_t: 
             for (pose, child) in c.children() {
                 let bound = best.map_or(max_t, |b| b.t);
                 let (p, m) = (pose.inverse_transform_point(from), pose.q.inverse_rotate(motion));
-                let hit = sweep(child, p, m, ball, bound);
+                let hit = sweep((child, slot), p, m, ball, bound, around);
                 if let Some(h) = hit.filter(|h| is_before(h, &best)) {
                     best = Some(Touch { normal: pose.q.rotate(h.normal), ..h });
                 }
@@ -74,6 +74,64 @@ pub(crate) fn sweep(shape: &Shape, from: Vec3, motion: Vec3, ball: Ball, max_t: 
             let hit = shape.closest_point(p)?;
             Some((hit.distance, hit.normal))
         }),
+    }
+}
+
+/// Triangles that one call looks up and later ones use again.
+const AROUND: usize = 16;
+
+/// The triangles of a surface around a ball: a ball that rests is swept several times in one place.
+#[derive(Clone, Debug)]
+pub(crate) struct Around {
+    /// Whose, by slot.
+    of: u32,
+    bounds: Aabb,
+    triangles: [[Vec3; 3]; AROUND],
+    count: usize,
+}
+
+impl Around {
+    pub fn new() -> Self {
+        let none = Vec3::ZERO;
+        Self { of: FREE, bounds: Aabb::EMPTY, triangles: [[none; 3]; AROUND], count: 0 }
+    }
+
+    fn visit(
+        &mut self,
+        (shape, of): (&Shape, u32),
+        near: &Aabb,
+        motion: Vec3,
+        mut f: impl FnMut(&[Vec3; 3]),
+    ) {
+        if self.of != of || !self.bounds.contains(near) {
+            // What is left of the step after a bounce is about as long as what was before.
+            let bounds = near.expanded(0.5 * motion.abs().max_component());
+            self.count = 0;
+            overlapping(shape, &bounds, |t| {
+                if self.count < AROUND {
+                    self.triangles[self.count] = *t;
+                }
+                self.count += 1;
+            });
+            (self.of, self.bounds) = (of, bounds);
+        }
+        if self.count > AROUND {
+            overlapping(shape, near, f);
+            return;
+        }
+        self.triangles[..self.count].iter().for_each(&mut f);
+    }
+}
+
+fn overlapping(shape: &Shape, bounds: &Aabb, mut f: impl FnMut(&[Vec3; 3])) {
+    match shape {
+        Shape::Mesh(mesh) => mesh.overlapping(bounds, |i| f(&mesh.triangle(i))),
+        Shape::HeightField(field) => field.overlapping(bounds, |i| {
+            if let Some(t) = field.triangle(i) {
+                f(&t);
+            }
+        }),
+        _ => {}
     }
 }
 
@@ -138,6 +196,9 @@ fn convex(
 
 /// Both sides of a triangle.
 fn triangle(corners: &[Vec3; 3], from: Vec3, motion: Vec3, ball: Ball, max_t: f32, best: &mut Option<Touch>) {
+    if stays_aside(corners, from, motion, ball) {
+        return;
+    }
     let bound = best.map_or(max_t, |b| b.t);
     let hit = convex(from, motion, ball, bound, |p| {
         let away = p - closest_point_of_triangle(corners, p);
@@ -151,6 +212,18 @@ fn triangle(corners: &[Vec3; 3], from: Vec3, motion: Vec3, ball: Ball, max_t: f3
     if let Some(h) = hit.filter(|h| is_before(h, best)) {
         *best = Some(h);
     }
+}
+
+/// Does the ball stay on one side of the triangle's plane, out of touch?
+#[inline]
+fn stays_aside([a, b, c]: &[Vec3; 3], from: Vec3, motion: Vec3, ball: Ball) -> bool {
+    let n = (*b - *a).cross(*c - *a);
+    let (h0, rise) = (n.dot(from - *a), n.dot(motion));
+    let h1 = h0 + rise;
+    // Heights times |n|.
+    let reach = ball.radius + ball.skin;
+    let limit = reach * reach * n.length_squared();
+    (h0 > 0.0) == (h1 > 0.0) && h0 * h0 > limit && h1 * h1 > limit
 }
 
 /// Between two poses.

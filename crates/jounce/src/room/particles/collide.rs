@@ -16,7 +16,7 @@
 //!
 //! Moving shapes are met in their own frame, in which the ball's way is taken to be straight.
 
-use super::ball::{Ball, Touch, between, plane, sweep};
+use super::ball::{Around, Ball, Touch, between, plane, sweep};
 use super::desc::HitResponse;
 use super::prepare::Rules;
 use super::solve::Next;
@@ -65,20 +65,20 @@ impl Obstacle {
         }
         self.end.transform_point(self.pose(s).inverse_transform_point(p))
     }
-    fn touch(&self, w: &Way, shape: &Shape, max_t: f32) -> Option<Touch> {
+    fn touch(&self, w: &Way, shape: &Shape, max_t: f32, around: &mut Around) -> Option<Touch> {
         if let Some((n, offset)) = self.plane {
             return plane(n, offset, w.from, w.to - w.from, w.ball(Vec3::ZERO), max_t);
         }
         if !self.moving {
             let from = self.start.inverse_transform_point(w.from);
             let motion = self.start.q.inverse_rotate(w.to - w.from);
-            let hit = sweep(shape, from, motion, w.ball(self.start.p), max_t)?;
+            let hit = sweep((shape, self.slot), from, motion, w.ball(self.start.p), max_t, around)?;
             return Some(Touch { normal: self.start.q.rotate(hit.normal), ..hit });
         }
         let pose = self.pose(w.s);
         let from = pose.inverse_transform_point(w.from);
         let to = self.end.inverse_transform_point(w.to);
-        let hit = sweep(shape, from, to - from, w.ball(self.end.p), max_t)?;
+        let hit = sweep((shape, self.slot), from, to - from, w.ball(self.end.p), max_t, around)?;
         let then = between(&pose, &self.end, hit.t);
         Some(Touch { normal: then.q.rotate(hit.normal), ..hit })
     }
@@ -157,6 +157,7 @@ fn first<'a>(
     lane: Option<usize>,
     obstacles: &[Obstacle],
     shape: &impl Fn(u32) -> &'a Shape,
+    around: &mut Around,
 ) -> Option<(usize, Touch)> {
     let mut best: Option<(usize, Touch)> = None;
     let grow = Vec3::splat(1.01 * w.radius);
@@ -167,7 +168,7 @@ fn first<'a>(
             continue;
         }
         let bound = best.map_or(1.0, |b| b.1.t);
-        let hit = o.touch(w, shape(o.slot), bound);
+        let hit = o.touch(w, shape(o.slot), bound, around);
         if let Some(h) = hit.filter(|h| best.is_none_or(|(_, b)| h.t < b.t)) {
             best = Some((i, h));
         }
@@ -184,10 +185,12 @@ pub(crate) fn fly<'a>(
     shape: &impl Fn(u32) -> &'a Shape,
     hits: &mut Vec<Hit>,
 ) -> End {
+    let mut around = Around::new();
+    let mut held: [Vec3; 2] = [Vec3::ZERO; 2];
     for round in 0..limits::PARTICLE_BOUNCES_MAX {
         // Later rounds go ways that nobody looked at before.
         let lane_of_round = if round == 0 { lane } else { None };
-        let Some((i, touch)) = first(&w, lane_of_round, obstacles, shape) else {
+        let Some((i, touch)) = first(&w, lane_of_round, obstacles, shape, &mut around) else {
             return End::Flies(w.to, w.v);
         };
         let o = &obstacles[i];
@@ -210,8 +213,16 @@ pub(crate) fn fly<'a>(
         let surface = o.velocity_at(w.from);
         let after = surface + bounced(w.u - surface, touch.normal, rests && touch.t == 0.0, rests, rules);
         w = onward(w, after, touch.normal, rests, rules.dt);
+        if rests {
+            w = along_crease(w, surface, touch.normal, held, rules.dt);
+            held = [touch.normal, held[0]];
+        }
         if round + 1 == limits::PARTICLE_BOUNCES_MAX {
             return End::Flies(o.carry(w.from, w.s), w.v);
+        }
+        // At rest: less than the next step would see.
+        if !o.moving && (w.to - w.from).abs().max_component() <= 1e-4 * w.radius {
+            return End::Flies(w.to, w.v);
         }
     }
     End::Flies(w.to, w.v)
@@ -253,6 +264,24 @@ pub(crate) fn onward(w: Way, u: Vec3, n: Vec3, rests: bool, dt: f32) -> Way {
     Way { to, u, a, v: u + a * (left - 0.5 * dt), ..w }
 }
 
+/// A particle that rests on a surface and slides into another that it rested on before goes on along the crease between them,
+/// or, held by a third, not at all. Going from one to the other and back would use up its hits.
+fn along_crease(w: Way, surface: Vec3, n: Vec3, held: [Vec3; 2], dt: f32) -> Way {
+    let enters = |m: Vec3, v: Vec3| m != Vec3::ZERO && m.dot(v) < -1e-6 * v.length();
+    let (mut u, mut a) = (w.u - surface, w.a);
+    if !enters(held[0], u) && !enters(held[0], a) && !enters(held[1], u) && !enters(held[1], a) {
+        return w;
+    }
+    let m = if enters(held[0], u) || enters(held[0], a) { held[0] } else { held[1] };
+    let crease = n.cross(m).normalize_or(Vec3::ZERO);
+    (u, a) = (crease * crease.dot(u), crease * crease.dot(a));
+    let other = if m == held[0] { held[1] } else { held[0] };
+    if enters(other, u) || enters(other, a) {
+        (u, a) = (Vec3::ZERO, Vec3::ZERO);
+    }
+    onward(Way { a, ..w }, surface + u, n, false, dt)
+}
+
 /// The way of a lane before it meets anything: from its place and velocity to the next ones.
 pub(crate) fn way(b: &Block, l: usize, to: Vec3, v1: Vec3, age: f32, rules: &Rules) -> Way {
     let (from, v0) = (get3(&b.p, l), get3(&b.v, l));
@@ -284,35 +313,11 @@ impl Kernel for Near<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let (b, next) = (self.block, self.next);
-        // A touch within the skin, which grows with the distance from the origin, is one.
-        let (scale, slack) = (L::splat(1.01 * self.radius_scale), L::splat(1.0 / 262_144.0));
         for o in self.obstacles {
             o.near = 0;
             let mut at = 0;
             while at < b.count {
-                let radius = L::load(&b.radius[at..]) * scale;
-                let bits = match o.plane {
-                    Some((n, offset)) => {
-                        let (mut height, mut far) = (L::splat(-offset), L::zero());
-                        for (n, axis) in n.to_array().into_iter().zip(&next.p) {
-                            let x = L::load(&axis[at..]);
-                            height = height + L::splat(n) * x;
-                            far = far.max(x.abs());
-                        }
-                        height.le(radius + far * slack).bits()
-                    }
-                    None => {
-                        let mut apart = L::zero();
-                        let (lo, hi) = (o.lo.to_array(), o.hi.to_array());
-                        for i in 0..3 {
-                            let (x, y) = (L::load(&b.p[i][at..]), L::load(&next.p[i][at..]));
-                            let reach = radius + x.abs().max(y.abs()) * slack;
-                            apart = apart.max(x.min(y) - reach - L::splat(hi[i]));
-                            apart = apart.max(L::splat(lo[i]) - x.max(y) - reach);
-                        }
-                        apart.le(L::zero()).bits()
-                    }
-                };
+                let bits = o.reached::<L>(b, &next.p, self.radius_scale, at).bits();
                 o.near |= u64::from(bits) << at;
                 at += L::WIDTH;
             }

@@ -7,6 +7,7 @@ pub mod desc;
 pub(crate) mod edit;
 pub(crate) mod noise;
 pub(crate) mod obstacles;
+pub(crate) mod on_plane;
 pub(crate) mod prepare;
 pub(crate) mod settle;
 pub(crate) mod solve;
