@@ -60,6 +60,7 @@ pub use room::particles::desc::{
     Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Gradient, Heat, HitResponse, ParticleCollision,
     ParticleSpawn, Turbulence,
 };
+pub use room::particles::presets as particles;
 pub use room::particles::view::{EmitterRef, ParticleSlices, ParticleView};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use settings::{Settings, WorldDesc};
