@@ -9,6 +9,7 @@ use crate::handle::{BodyId, ShapeId};
 use crate::limits;
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::contacts::state::{Place, ShapeRecord};
+use crate::room::particles::blast::push_by_explosion;
 use crate::room::rigid::desc::{self, AxisLocks, BodyDesc, BodyKind};
 use crate::room::rigid::mass;
 use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, NONE, lock_bits};
@@ -68,7 +69,19 @@ impl World {
             C::SetShapeEnabled(s, on) => self.do_enable_shape(s, on)?,
             C::SetMaterial(s, m) => self.do_set_material(s, m)?,
             C::SetFilter(s, f) => self.do_set_filter(s, f)?,
-            C::SetAero(..) | C::AddField(_) | C::RemoveField(_) | C::SetField(..) | C::Explode(_) => {}
+            C::SetAero(s, a) => {
+                let slot = self.shape_slot(s)?;
+                a.check()?;
+                self.shapes[slot].aero = a;
+                self.wake_body(self.shapes[slot].body);
+            }
+            C::AddField(d) => return self.do_add_field(*d).map(Output::Field),
+            C::RemoveField(f) => self.do_remove_field(f)?,
+            C::SetField(f, d) => self.do_set_field(f, *d)?,
+            C::Explode(e) => {
+                self.do_explode(&e)?;
+                push_by_explosion(self, &e);
+            }
             C::AddEmitter(d) => return self.do_add_emitter(*d).map(Output::Emitter),
             C::RemoveEmitter(e) => self.do_remove_emitter(e)?,
             C::SetEmitter(e, d) => self.do_set_emitter(e, *d)?,
@@ -145,6 +158,9 @@ impl World {
         let (slot, _) = self.shapes.insert(ShapeRecord {
             body,
             thickness: thickness(&d.shape),
+            volume: d.shape.volume() as f32,
+            ball_radius: d.shape.equal_volume_radius(),
+            aero: d.aero,
             shape: d.shape,
             pose,
             mass: d.mass,
@@ -305,7 +321,7 @@ impl World {
         Ok(())
     }
 
-    fn do_impulse(&mut self, b: BodyId, j: Vec3, l: Vec3, at: Option<DVec3>) -> Result<()> {
+    pub(crate) fn do_impulse(&mut self, b: BodyId, j: Vec3, l: Vec3, at: Option<DVec3>) -> Result<()> {
         let slot = self.slot(b)?;
         check_force("impulse", j)?;
         check_force("angular impulse", l)?;
@@ -388,6 +404,7 @@ impl World {
         self.unplace_shape(slot);
         let r = &mut self.shapes[slot];
         r.thickness = thickness(&probe.shape);
+        (r.volume, r.ball_radius) = (probe.shape.volume() as f32, probe.shape.equal_volume_radius());
         r.shape = probe.shape;
         self.update_mass(body);
         self.place_shape(slot);
@@ -560,6 +577,13 @@ impl World {
     /// Copies what the integrator needs from the record to the row.
     pub(crate) fn refresh_row(&mut self, slot: u32) {
         let b = &self.bodies[slot];
+        // A ball looks the same however fast it spins.
+        let center = self.frames[slot as usize].local_center;
+        let ball = |&s: &u32| {
+            let s = &self.shapes[s];
+            matches!(s.shape, Shape::Sphere { radius } if (s.pose.p - center).length() <= 1e-4 * radius)
+        };
+        let round = !b.shapes.is_empty() && b.shapes.iter().all(ball);
         let Some(r) = self.awake.step.get_mut(b.row as usize) else { return };
         r.inv_mass = b.mass.inv_mass;
         r.linear_damping = b.linear_damping;
@@ -567,7 +591,7 @@ impl World {
         r.gravity_scale = b.gravity_scale;
         r.locks = lock_bits(&b.locks);
         r.isotropic = b.mass.isotropic;
-        r.fast_rotation = b.fast_rotation;
+        r.fast_rotation = b.fast_rotation || round;
         r.sleep_speed = b.sleep_speed.unwrap_or(self.settings.sleep_speed * self.settings.length_unit);
         if let Some(t) = self.awake.turning.get_mut(b.row as usize) {
             *t = None;

@@ -123,6 +123,9 @@ impl World {
             h.pair(i, bodies.len() as u32);
             bodies.iter().for_each(|&b| h.pair(b, 3));
         }
+        if !self.fields.is_empty() {
+            self.hash_fields(&mut h);
+        }
         self.particles.hash(&mut h);
         self.events.iter().for_each(|e| hash_event(&mut h, e));
         h.finish()
@@ -145,6 +148,11 @@ fn hash_body(h: &mut StateHasher, b: &Body, f: &BodyFrame) {
 }
 
 fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord) {
+    // The default is no word: worlds without fields keep their hashes.
+    if s.aero != crate::Aero::default() {
+        h.floats(s.aero.drag.unwrap_or(-1.0), s.aero.area.unwrap_or(-1.0));
+        h.floats(s.aero.stokes_radius.unwrap_or(-1.0), s.aero.lift);
+    }
     h.pair(i, s.body);
     h.pose(&s.pose);
     let place = match s.place {

@@ -51,6 +51,8 @@ pub const PARTICLE_OBSTACLES_MAX: usize = 64;
 pub const PARTICLE_SWEEP_ITERATIONS_MAX: usize = 16;
 /// Most hits of particles that a step reports.
 pub const PARTICLE_HIT_EVENTS_MAX: usize = 256;
+/// Most passes of restitution at the end of a step.
+pub const RESTITUTION_PASSES_MAX: usize = 64;
 /// Most commands in the queue.
 pub const COMMAND_QUEUE_MAX: usize = 1 << 20;
 /// Most manifolds of one contact.

@@ -53,6 +53,13 @@ impl<T> Table<T> {
     pub fn get(&self, index: u32) -> Option<&T> {
         self.entries.get(index as usize).and_then(|e| e.value.as_ref())
     }
+    pub fn get_mut(&mut self, index: u32) -> Option<&mut T> {
+        self.entries.get_mut(index as usize).and_then(|e| e.value.as_mut())
+    }
+    /// Slots that were ever used.
+    pub fn slots(&self) -> u32 {
+        self.entries.len() as u32
+    }
     pub fn len(&self) -> usize {
         self.live
     }

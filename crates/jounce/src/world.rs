@@ -3,7 +3,7 @@
 use crate::command::{Command, Output};
 use crate::error::{Error, Result};
 use crate::event::Event;
-use crate::handle::{BodyId, EmitterId, ShapeId};
+use crate::handle::{BodyId, EmitterId, FieldId, ShapeId};
 use crate::hooks::Hooks;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
 use crate::room::fields::state::Fields;
@@ -70,7 +70,7 @@ pub struct World {
 pub struct Energy {
     /// ½ m v² + ½ ω·Iω over the dynamic bodies.
     pub kinetic: f64,
-    /// −m g·c over the dynamic bodies, c from the world's origin.
+    /// −m g·c over the dynamic bodies, c from the world's origin, and their energy in uniform, point and n-body fields.
     pub potential: f64,
 }
 
@@ -258,6 +258,7 @@ impl World {
                 0.5 * m * v.as_dvec3().length_squared() + 0.5 * local.dot(b.mass.inertia.as_dmat3() * local);
             e.potential -= m * f64::from(b.gravity_scale) * self.gravity.as_dvec3().dot(f.center);
         }
+        e.potential += self.field_energy();
         e
     }
     /// Momentum of the dynamic bodies.
@@ -325,6 +326,16 @@ impl World {
             _ => Err(Error::Unsupported { what: "add_shape", advice: "expected a shape" }),
         }
     }
+    /// Adds a field.
+    ///
+    /// # Errors
+    /// A description out of range, a stale body, a hook that is not registered, or too many fields.
+    pub fn add_field(&mut self, desc: FieldDesc) -> Result<FieldId> {
+        match self.apply(Command::AddField(Box::new(desc)))? {
+            Output::Field(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_field", advice: "expected a field" }),
+        }
+    }
     /// Adds an emitter of particles.
     ///
     /// # Errors
@@ -338,6 +349,7 @@ impl World {
 }
 
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
+use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
 use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use jounce_geometry::{MassProperties, Shape};
@@ -414,6 +426,14 @@ sugar! {
     set_material(shape: ShapeId, material: Material) => Command::SetMaterial(shape, material);
     /// Sets whom a shape meets.
     set_filter(shape: ShapeId, filter: Filter) => Command::SetFilter(shape, filter);
+    /// Sets how a shape meets the medium around it.
+    set_aero(shape: ShapeId, aero: Aero) => Command::SetAero(shape, aero);
+    /// Removes a field.
+    remove_field(field: FieldId) => Command::RemoveField(field);
+    /// Replaces a field's description.
+    set_field(field: FieldId, desc: FieldDesc) => Command::SetField(field, Box::new(desc));
+    /// Lets off a blast: one impulse on everything near.
+    explode(explosion: Explosion) => Command::Explode(explosion);
     /// Removes an emitter with its particles.
     remove_emitter(emitter: EmitterId) => Command::RemoveEmitter(emitter);
     /// Replaces an emitter's description; its particles stay, and its clock goes on.

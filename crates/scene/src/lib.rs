@@ -8,6 +8,7 @@ mod bodies;
 mod color;
 mod decompose;
 mod error;
+mod fields;
 mod json;
 pub mod limits;
 mod load;

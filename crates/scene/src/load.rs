@@ -2,6 +2,7 @@
 
 use crate::bodies::{Census, Group, Names, color, group, scatter};
 use crate::error::{Checked, SceneError, Under, Wrong};
+use crate::fields::{Field, fields};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
 use crate::plan::{Entry, Expect, Look, expects, probes, timeline};
@@ -34,6 +35,7 @@ pub struct Scene {
     pub(crate) spec: SceneSpec,
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
+    pub(crate) fields: Vec<Field>,
     pub(crate) timeline: Vec<Entry>,
     pub(crate) probes: Vec<(String, Look)>,
     pub(crate) expects: Vec<Expect>,
@@ -145,12 +147,13 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         groups.push(g);
     }
     trial(&spec, &world, &groups)?;
-    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names)?;
+    let fields = fields(&spec.fields, &names)?;
+    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names, &fields)?;
     let probes = probes(&spec.probes, &names)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
     looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
-    Ok(Scene { name, world, groups, timeline, probes, expects, spec })
+    Ok(Scene { name, world, groups, fields, timeline, probes, expects, spec })
 }
 
 /// Puts every template into a world once: what the engine refuses (a body without mass, …) is told with its place.

@@ -2,9 +2,11 @@
 
 use crate::bodies::{Census, Group, Names, Target, group};
 use crate::error::{Checked, Under, Wrong, closest};
+use crate::fields::{Field, explosion, find as find_field};
 use crate::limits;
 use crate::shapes::{Library, rotation, unknown};
 use crate::spec::{AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec};
+use jounce::Explosion;
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
 
@@ -251,6 +253,8 @@ pub(crate) enum Action {
     Wake(Target),
     Sleep(Target),
     Enable(Target, bool),
+    Explode(Explosion),
+    SetField(usize, bool),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -268,6 +272,7 @@ pub(crate) fn timeline(
     library: &mut Library,
     census: &mut Census,
     names: &mut Names,
+    fields: &[Field],
 ) -> Checked<Vec<Entry>> {
     let mut spawned = Vec::with_capacity(all.len());
     let mut total = 0u64;
@@ -285,7 +290,7 @@ pub(crate) fn timeline(
     }
     let mut out = Vec::with_capacity(all.len());
     for (i, (t, spawned)) in all.iter().zip(spawned).enumerate() {
-        let action = action(t, spawned, names).index(i).key("timeline")?;
+        let action = action(t, spawned, names, fields).index(i).key("timeline")?;
         out.push(Entry { at: t.at, every: t.every.unwrap_or(0.0), times: t.times.unwrap_or(1), action });
     }
     Ok(out)
@@ -322,7 +327,7 @@ fn spawn(
     Ok(groups)
 }
 
-fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names) -> Checked<Action> {
+fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, fields: &[Field]) -> Checked<Action> {
     let given = [
         ("spawn", t.spawn.is_some()),
         ("push", t.push.is_some()),
@@ -334,6 +339,8 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names) -> Checked<Actio
         ("wake", t.wake.is_some()),
         ("sleep", t.sleep.is_some()),
         ("enable", t.enable.is_some()),
+        ("explode", t.explode.is_some()),
+        ("set_field", t.set_field.is_some()),
     ];
     let n = given.iter().filter(|(_, there)| *there).count();
     if n != 1 {
@@ -384,6 +391,12 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names) -> Checked<Actio
     }
     if let Some(e) = &t.enable {
         return Ok(Action::Enable(find(&e.body, "enable")?, e.enabled));
+    }
+    if let Some(e) = &t.explode {
+        return explosion(e).map(Action::Explode).key("explode");
+    }
+    if let Some(f) = &t.set_field {
+        return Ok(Action::SetField(find_field(&f.field, fields).key("field").key("set_field")?, f.enabled));
     }
     Ok(Action::Spawn(spawned))
 }

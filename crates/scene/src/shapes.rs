@@ -105,6 +105,9 @@ impl Library {
             mask: s.mask.map_or(filter.mask, |l| l.0),
             group: s.group.unwrap_or(filter.group),
         };
+        if let Some(a) = &s.aero {
+            d.aero = crate::fields::aero(a).key("aero")?;
+        }
         d.sensor = s.sensor.unwrap_or(d.sensor);
         d.enabled = s.enabled.unwrap_or(d.enabled);
         d.contact_events = s.contact_events.unwrap_or(d.contact_events);

@@ -10,7 +10,7 @@ use crate::report::{Judge, Report, StepTimes};
 use crate::samples::Samples;
 use jounce::math::{Quat, Vec3, WorldPose};
 use jounce::tasks::Tasks;
-use jounce::{BodyId, Command, World};
+use jounce::{BodyId, Command, FieldDesc, FieldId, FieldLaw, World};
 use std::time::Instant;
 
 /// A running scene.
@@ -34,6 +34,7 @@ pub struct Simulation {
     world: World,
     records: Records,
     counts: EventCounts,
+    fields: Vec<FieldId>,
     /// Timed actions by step, entry and occurrence, in the order they act.
     due: Vec<Due>,
     next: usize,
@@ -78,6 +79,7 @@ impl Simulation {
             world,
             records: Records::default(),
             counts: EventCounts::new(&scene.probes),
+            fields: Vec::new(),
             due: due(scene),
             next: 0,
             active: Vec::new(),
@@ -98,6 +100,7 @@ impl Simulation {
         let spawned = groups.iter().try_for_each(|g| s.spawn(g, 0));
         s.scene.groups = groups;
         spawned?;
+        s.add_fields()?;
         s.start_energy = s.world.energy().total();
         s.sample();
         Ok(s)
@@ -204,7 +207,8 @@ impl Simulation {
         let steps = |duration: f64| step_at(duration, self.scene.world.rate_hz).max(1);
         match action {
             Action::Spawn(groups) => {
-                groups.iter().try_for_each(|g| self.spawn(g, occurrence as usize * g.len()))
+                groups.iter().try_for_each(|g| self.spawn(g, occurrence as usize * g.len()))?;
+                self.let_attract()
             }
             Action::Push { target, push, duration } => {
                 let until = now + steps(*duration);
@@ -242,7 +246,53 @@ impl Simulation {
             Action::Wake(target) => self.each(target, Command::Wake),
             Action::Sleep(target) => self.each(target, Command::Sleep),
             Action::Enable(target, on) => self.each(target, |b| Command::SetBodyEnabled(b, *on)),
+            Action::Explode(e) => self.apply(Command::Explode(*e)),
+            Action::SetField(n, on) => {
+                let Some(&id) = self.fields.get(*n) else { return Ok(()) };
+                let mut desc = self.world.field(id).map_err(|e| self.refused(&e))?.clone();
+                desc.enabled = *on;
+                self.apply(Command::SetField(id, Box::new(desc)))
+            }
         }
+    }
+
+    /// Adds the scene's fields, in the order of the file.
+    fn add_fields(&mut self) -> Result<(), SceneError> {
+        for n in 0..self.scene.fields.len() {
+            let desc = self.with_bodies(n, self.scene.fields[n].desc.clone());
+            let id = self.world.add_field(desc).map_err(|e| self.refused(&e))?;
+            self.fields.push(id);
+        }
+        Ok(())
+    }
+
+    /// The bodies that a field names and that are there now.
+    fn with_bodies(&self, n: usize, mut desc: FieldDesc) -> FieldDesc {
+        if let FieldLaw::NBody { bodies, .. } = &mut desc.law {
+            let mut all: Vec<BodyId> = Vec::new();
+            for target in &self.scene.fields[n].bodies {
+                all.extend(self.records.of(target).iter().filter(|b| self.world.body(**b).is_ok()));
+            }
+            // Names may overlap: `star[0]` beside `star`.
+            all.sort_unstable();
+            all.dedup();
+            *bodies = all;
+        }
+        desc
+    }
+
+    /// Bodies that came late attract too.
+    fn let_attract(&mut self) -> Result<(), SceneError> {
+        for n in 0..self.fields.len() {
+            if self.scene.fields[n].bodies.is_empty() {
+                continue;
+            }
+            let id = self.fields[n];
+            let desc = self.world.field(id).map_err(|e| self.refused(&e))?.clone();
+            let desc = self.with_bodies(n, desc);
+            self.apply(Command::SetField(id, Box::new(desc)))?;
+        }
+        Ok(())
     }
 
     fn go_on(&mut self, now: u64) -> Result<(), SceneError> {

@@ -4,7 +4,7 @@ use super::merge::{Outline, merge};
 use super::quickhull::{Flat, QuickHull};
 use crate::{Aabb, GeometryError, limits, shapes::hull_mass};
 use jounce_math::{
-    Vec3,
+    DVec3, Vec3,
     scalar::{f32s, f64s},
 };
 
@@ -47,6 +47,10 @@ pub struct Hull {
     pub(crate) aabb: Aabb,
     pub(crate) center: Vec3,
     pub(crate) inner_radius: f32,
+    /// m³.
+    pub(crate) volume: f64,
+    /// `center` before it was rounded.
+    pub(crate) centroid: DVec3,
 }
 
 impl Hull {
@@ -144,11 +148,15 @@ impl Hull {
         }
         let aabb = Aabb::from_points(vertices.iter().copied());
         let edges = edges_of(&faces, &loops);
-        let mut hull = Self { vertices, faces, loops, edges, aabb, center: aabb.center(), inner_radius: 0.0 };
-        let center = hull_mass(&hull, 1.0).1;
+        let center = aabb.center();
+        let (volume, centroid) = (0.0, center.as_dvec3());
+        let mut hull =
+            Self { vertices, faces, loops, edges, aabb, center, inner_radius: 0.0, volume, centroid };
+        let (volume, center, _) = hull_mass(&hull, 1.0);
         let gap = |f: &HullFace| f64::from(f.offset) - f.normal.as_dvec3().dot(center);
         let inner = hull.faces.iter().map(gap).fold(f64::INFINITY, f64s::min);
         hull.center = center.as_vec3();
+        (hull.volume, hull.centroid) = (volume, center);
         hull.inner_radius = f64s::max(inner, 0.0) as f32;
         hull
     }

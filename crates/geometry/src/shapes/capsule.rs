@@ -22,6 +22,12 @@ pub(super) fn mass(half_height: f32, radius: f32, density: f64) -> MassPropertie
     MassProperties::from_diagonal(mc + ms, DVec3::ZERO, DVec3::new(ixx, iyy, ixx))
 }
 
+/// Volume and centroid.
+pub(super) fn volume(half_height: f32, radius: f32) -> (f64, DVec3) {
+    let (h, r) = (f64::from(half_height), f64::from(radius));
+    (PI * r * r * (2.0 * h + r / 0.75), DVec3::ZERO)
+}
+
 /// The capsule is the union of its cylinder's side and two balls: the ray enters it at the side if that
 /// point lies between the caps, else at the cap on that side.
 pub(super) fn ray(half_height: f32, radius: f32, origin: Vec3, dir: Vec3, max_t: f32) -> Option<Hit> {

@@ -33,6 +33,12 @@ pub(super) fn mass(half_height: f32, radius: f32, density: f64) -> MassPropertie
     MassProperties::from_diagonal(m, DVec3::new(0.0, -0.5 * h, 0.0), DVec3::new(ixx, 0.3 * m * r * r, ixx))
 }
 
+/// Volume and centroid.
+pub(super) fn volume(half_height: f32, radius: f32) -> (f64, DVec3) {
+    let (h, r) = (f64::from(half_height), f64::from(radius));
+    (PI * r * r * 2.0 * h / 3.0, DVec3::new(0.0, -0.5 * h, 0.0))
+}
+
 /// Ball around the centre of mass: h/2 to the base, 3/2 h r/√(H² + r²) to the side.
 pub(super) fn inner_radius(half_height: f32, radius: f32) -> f32 {
     f32s::min(0.5 * half_height, 1.5 * half_height * side_normal(half_height, radius).1)

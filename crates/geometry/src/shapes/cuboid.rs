@@ -18,6 +18,12 @@ pub(super) fn mass(half: Vec3, density: f64) -> MassProperties {
     MassProperties::from_diagonal(m, DVec3::ZERO, DVec3::new(y + z, z + x, x + y) * (m / 3.0))
 }
 
+/// Volume and centroid.
+pub(super) fn volume(half: Vec3) -> (f64, DVec3) {
+    let h = half.as_dvec3();
+    (8.0 * h.x * h.y * h.z, DVec3::ZERO)
+}
+
 /// Kay and Kajiya's slabs, one axis after the other. An axis the ray is parallel to only decides in or out.
 pub(super) fn ray(half: Vec3, origin: Vec3, dir: Vec3, max_t: f32) -> Option<Hit> {
     let (mut t0, mut t1) = (f32::NEG_INFINITY, f32::INFINITY);

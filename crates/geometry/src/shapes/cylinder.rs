@@ -25,6 +25,12 @@ pub(super) fn mass(half_height: f32, radius: f32, density: f64) -> MassPropertie
     MassProperties::from_diagonal(m, DVec3::ZERO, DVec3::new(ixx, 0.5 * m * r * r, ixx))
 }
 
+/// Volume and centroid.
+pub(super) fn volume(half_height: f32, radius: f32) -> (f64, DVec3) {
+    let (h, r) = (f64::from(half_height), f64::from(radius));
+    (PI * r * r * 2.0 * h, DVec3::ZERO)
+}
+
 /// The ray's interval inside the slab |y| ≤ h, cut with its interval inside the infinite cylinder; in `f64`,
 /// since the quadratic cancels for near-axial rays.
 pub(super) fn ray(half_height: f32, radius: f32, origin: Vec3, dir: Vec3, max_t: f32) -> Option<Hit> {

@@ -9,7 +9,9 @@ mod half_space;
 pub mod height_field;
 mod hull;
 mod mesh;
+mod shadow;
 mod sphere;
+pub mod submerged;
 pub(crate) mod triangle;
 
 pub(crate) use hull::mass_f64 as hull_mass;

@@ -17,6 +17,12 @@ pub(super) fn mass(radius: f32, density: f64) -> MassProperties {
     MassProperties::from_diagonal(m, DVec3::ZERO, DVec3::splat(0.4 * m * r * r))
 }
 
+/// Volume and centroid.
+pub(super) fn volume(radius: f32) -> (f64, DVec3) {
+    let r = f64::from(radius);
+    (PI / 0.75 * r * r * r, DVec3::ZERO)
+}
+
 /// |o + t d|² = r² with |d| = 1, expanded about the point of closest approach p = o − (o·d) d, so that a
 /// far origin loses no digits of r² − |p|² (Haines et al. 2019, "Precision improvements for ray/sphere
 /// intersection", Ray Tracing Gems).

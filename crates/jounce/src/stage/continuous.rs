@@ -25,6 +25,8 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     if !world.settings.continuous {
         return;
     }
+    // Memory for the contact tests of this stage: where it is absent (a clone, a first step) nothing may turn out otherwise.
+    world.scratch.sets.at_least(1);
     let mut hits = core::mem::take(&mut world.scratch.hits);
     hits.clear();
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
@@ -40,8 +42,18 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     }
     for &(slot, t) in &hits {
         let f = &mut world.frames[slot as usize];
+        let turned = f.rotation;
         f.center = f.center0.lerp(f.center, f64::from(t));
         f.rotation = f.rotation0.nlerp(f.rotation, t);
+        // The spin goes back with the body: in its own axes it stays, and with it energy and |L|.
+        let back = f.rotation * turned.conjugate();
+        let row = world.bodies[slot].row as usize;
+        if let (Some(s), Some(b)) = (world.awake.state.get_mut(row), world.awake.step.get(row))
+            && !b.isotropic
+            && b.locks & 56 == 0
+        {
+            s.set_velocity(s.v(), back.rotate(s.w()));
+        }
         world.refresh_inertia(slot);
     }
     world.scratch.hits = hits;

@@ -34,6 +34,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     for body in bad {
         super::guard::quarantine(world, body);
     }
+    super::fields::begin(world);
 }
 
 /// Velocity that brings a kinematic body to its target in one step.

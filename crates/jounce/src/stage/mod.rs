@@ -3,6 +3,7 @@
 pub(crate) mod broadphase;
 pub(crate) mod commands;
 pub(crate) mod continuous;
+pub(crate) mod fields;
 pub(crate) mod forces;
 pub(crate) mod guard;
 pub(crate) mod islands;
@@ -62,6 +63,7 @@ pub(crate) struct Scratch {
     /// Who is inside a sensor.
     pub visitors: Vec<(u32, u32)>,
     pub loads: Vec<(f32, jounce_math::Vec3, f32)>,
+    pub fields: fields::FieldScratch,
 }
 
 impl Scratch {
@@ -76,6 +78,15 @@ impl Scratch {
 /// Manifold memory, one per unit of the narrow phase; a unit locks its own, so no lock is ever waited for.
 #[derive(Debug, Default)]
 pub(crate) struct Sets(pub Vec<Mutex<ManifoldSet>>);
+
+impl Sets {
+    /// Makes sure that there are so many.
+    pub fn at_least(&mut self, n: usize) {
+        while self.0.len() < n {
+            self.0.push(Mutex::default());
+        }
+    }
+}
 
 impl Clone for Sets {
     /// Memory, not state: a clone starts without.

@@ -19,8 +19,7 @@ const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 pub(crate) fn run(world: &mut World, step: &Step) {
     let mut contacts = core::mem::take(&mut world.contacts);
     let units = contacts.len().div_ceil(CHUNK);
-    let have = world.scratch.sets.0.len();
-    world.scratch.sets.0.resize_with(units.max(have), Default::default);
+    world.scratch.sets.at_least(units);
     let shared: &World = world;
     shared.tasks.for_each_chunk(&mut contacts, CHUNK, |first, chunk| {
         let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);

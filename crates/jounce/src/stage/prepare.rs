@@ -50,6 +50,7 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], step: &Step) {
         *block = Block::default();
     }
     (block.any_rolling, block.any_rebound) = (false, false);
+    block.rebound_change = [-1.0; LANES];
     (block.rows, block.points_max) = (rows.len(), 0);
     let mut speeds = Speeds::ZERO;
     for (l, row) in rows.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use super::Step;
 use crate::event::Event;
+use crate::limits;
 use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
@@ -20,8 +21,9 @@ const CONTACTS: usize = 128;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
-    for _ in 0..step.substeps {
+    for i in 0..step.substeps {
         velocities(world, step);
+        super::fields::act(world, step, i);
         sweep(world, Pass::Warm, step);
         sweep(world, Pass::Solve, step);
         positions(world, step);
@@ -31,9 +33,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
 
 /// Restitution, impulses back to the manifolds, motion back to the frames.
 pub(crate) fn finish(world: &mut World, step: &Step) {
-    if world.scratch.blocks.iter().flatten().any(|b| b.any_rebound) {
-        sweep(world, Pass::Restitution, step);
-    }
+    restitution(world, step);
     let stick_speed = world.settings.stick_speed;
     let mut contacts = core::mem::take(&mut world.contacts);
     let shared: &World = world;
@@ -58,6 +58,21 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     });
     world.contacts = contacts;
     poses(world, step);
+}
+
+/// Passes until the rebound speeds of all points hold together: those of a face that lands flat depend on one another, and one
+/// pass would leave it spinning, and with more energy than it came with.
+fn restitution(world: &mut World, step: &Step) {
+    /// Change of a rebound speed that ends the passes, m/s.
+    const QUIET: f32 = 1e-4;
+    let mut change = if world.scratch.blocks.iter().flatten().any(|b| b.any_rebound) { 1.0 } else { 0.0 };
+    let mut passes = 0;
+    while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
+        sweep(world, Pass::Restitution, step);
+        let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
+        change = all.flat_map(|b| b.rebound_change).fold(0.0, f32s::max);
+        passes += 1;
+    }
 }
 
 fn poses(world: &mut World, step: &Step) {

@@ -1,6 +1,6 @@
 //! Bodies, shapes, and many of them.
 
-use super::{Count, Layers, Map, Spacing};
+use super::{AeroSpec, Count, Layers, Map, Spacing};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -218,6 +218,8 @@ pub struct ShapeSpec {
     pub mass: Option<f32>,
     /// Name of a material.
     pub material: Option<String>,
+    /// Drag and lift in the media that fields bring.
+    pub aero: Option<AeroSpec>,
     /// Reports who is inside, touches nobody. Default false.
     pub sensor: Option<bool>,
     /// Layers the shape is on. Default 1 (layer 0).

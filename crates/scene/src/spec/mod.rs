@@ -3,10 +3,12 @@
 //! where the key ends in `_deg`.
 
 mod body;
+mod field;
 mod run;
 mod values;
 
 pub use body::*;
+pub use field::*;
 pub use run::*;
 pub use values::*;
 
@@ -48,6 +50,9 @@ pub struct SceneSpec {
     /// Bodies placed at random, from explicit seeds.
     #[serde(default)]
     pub scatter: Vec<ScatterSpec>,
+    /// Laws that act on everything in a region: gravity of stars, wind, air, water, whirls.
+    #[serde(default)]
+    pub fields: Vec<FieldSpec>,
     /// Timed actions, in any order.
     #[serde(default)]
     pub timeline: Vec<TimelineSpec>,

@@ -1,11 +1,11 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
-use super::BodySpec;
+use super::{BodySpec, ExplodeSpec, SetFieldSpec};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
-/// `wake`, `sleep` and `enable`.
+/// `wake`, `sleep`, `enable`, `explode` and `set_field`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimelineSpec {
@@ -35,6 +35,10 @@ pub struct TimelineSpec {
     pub sleep: Option<NamedSpec>,
     /// Takes bodies into the simulation or out of it.
     pub enable: Option<EnableSpec>,
+    /// Lets off a blast.
+    pub explode: Option<ExplodeSpec>,
+    /// Switches a field on or off.
+    pub set_field: Option<SetFieldSpec>,
 }
 
 /// Bodies to add.

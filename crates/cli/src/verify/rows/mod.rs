@@ -8,6 +8,7 @@ mod collision;
 mod curves;
 mod far;
 mod fast;
+mod fields;
 mod friction;
 mod momentum;
 mod motion;
@@ -23,6 +24,7 @@ use jounce::{Result, Settings};
 /// All laws, topic by topic.
 pub(crate) const LAWS: &[&[Law]] = &[
     motion::LAWS,
+    fields::LAWS,
     friction::LAWS,
     rolling::LAWS,
     momentum::LAWS,
@@ -68,7 +70,11 @@ pub(crate) fn ball(radius: f32) -> ShapeDesc {
 
 /// Steps until `f` of the world falls from above zero to zero or below; gives the time of the crossing on the straight
 /// line between the two steps around it, or `NAN` when it has not come by `limit_s`.
-pub(crate) fn crossing(world: &mut World, limit_s: f64, f: impl Fn(&World) -> Result<f64>) -> Result<f64> {
+pub(crate) fn crossing(
+    world: &mut World,
+    limit_s: f64,
+    mut f: impl FnMut(&World) -> Result<f64>,
+) -> Result<f64> {
     let mut before = f(world)?;
     while world.time() < limit_s {
         world.step()?;

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result, check};
 use crate::limits;
+use crate::room::fields::desc::Aero;
 use crate::room::rigid::desc::BodyKind;
 use jounce_geometry::{Shape, TriMesh};
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
@@ -158,6 +159,8 @@ pub struct ShapeDesc {
     pub contact_events: bool,
     /// Reports hits. Default false.
     pub hit_events: bool,
+    /// Drag and lift in the media that fields bring.
+    pub aero: Aero,
     /// Free for the caller.
     pub user_data: u128,
 }
@@ -176,6 +179,7 @@ impl ShapeDesc {
             enabled: true,
             contact_events: true,
             hit_events: false,
+            aero: Aero::default(),
             user_data: 0,
         }
     }
@@ -252,6 +256,11 @@ impl ShapeDesc {
         self.filter = filter;
         self
     }
+    /// Sets drag and lift in the media that fields bring.
+    pub fn aero(mut self, aero: Aero) -> Self {
+        self.aero = aero;
+        self
+    }
     /// Reports hits.
     pub fn hit_events(mut self, on: bool) -> Self {
         self.hit_events = on;
@@ -276,6 +285,7 @@ impl ShapeDesc {
                 check((0.0..=limits::MASS_MAX).contains(&m), "shape", "mass", m, "0 to 1e15 kg")?
             }
         }
+        self.aero.check()?;
         self.material.check()?;
         self.triangle_materials.iter().try_for_each(Material::check)
     }

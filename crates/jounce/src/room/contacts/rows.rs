@@ -194,6 +194,8 @@ pub(crate) struct Block {
     /// Some row has rolling friction / restitution.
     pub any_rolling: bool,
     pub any_rebound: bool,
+    /// Largest change of a rebound speed in the last pass of restitution, m/s; negative where nothing bounces.
+    pub rebound_change: Lane,
 }
 
 impl Default for Block {
@@ -235,6 +237,7 @@ impl Default for Block {
             points_max: 0,
             any_rolling: false,
             any_rebound: false,
+            rebound_change: [-1.0; LANES],
         }
     }
 }

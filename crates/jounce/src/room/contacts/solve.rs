@@ -329,7 +329,7 @@ fn rebound_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: 
     }
     let wanted = friction_impulse(block, at, u, n, L::load(&block.mu[at..]) * total);
     // Lanes that did not bounce keep theirs: a row must not depend on its neighbours.
-    let bounced = added.gt(L::zero());
+    let bounced = added.gt(L::zero()) | added.lt(L::zero());
     let old = [0, 1].map(|i| L::load(&block.friction_impulse[i][at..]));
     let new = [0, 1].map(|i| L::select(bounced, wanted[i], old[i]));
     for i in 0..2 {
@@ -344,7 +344,7 @@ fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, 
     let n = Wide3::<L>::load(&block.normal, at);
     let mut u = Pair::load(block, at, access, g);
     let zero = L::zero();
-    let mut added = zero;
+    let (mut added, mut change) = (zero, L::splat(-1.0));
     for rows in &mut block.points[..block.points_max.min(4)] {
         let rebound = L::load(&rows.rebound[at..]);
         let total = L::load(&rows.total[at..]);
@@ -354,13 +354,18 @@ fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, 
         }
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
-        let wanted = (old - L::load(&rows.mass[at..]) * (vn - rebound)).max(zero);
+        let mass = L::load(&rows.mass[at..]);
+        let wanted = (old - mass * (vn - rebound)).max(zero);
         let new = L::select(bounces, wanted, old);
         new.store(&mut rows.impulse[at..]);
+        // What is over of the last substep's impulse may be taken back, not the other substeps'.
         (total + (new - old)).store(&mut rows.total[at..]);
         added = added + (new - old);
+        let moved = L::select(bounces & mass.gt(zero), (new - old).abs() / mass, L::splat(-1.0));
+        change = change.max(moved);
         u.push(n, &rows.j, at, new - old);
     }
+    change.store(&mut block.rebound_change[at..]);
     rebound_friction(block, at, &mut u, n, added);
     u.store(access, g);
 }

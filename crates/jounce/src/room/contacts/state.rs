@@ -1,6 +1,7 @@
 //! Columns of shapes and contacts.
 
 use super::desc::{Filter, MassSpec, Material};
+use crate::room::fields::desc::Aero;
 use crate::room::rigid::state::NONE;
 use jounce_geometry::{Aabb, PairCache, Shape};
 use jounce_math::{Pose, Quat, Vec3};
@@ -34,6 +35,10 @@ pub(crate) struct ShapeRecord {
     pub contact_events: bool,
     pub hit_events: bool,
     pub user_data: u128,
+    pub aero: Aero,
+    /// Volume, m³, and radius of the ball that has it; 0 for surfaces.
+    pub volume: f32,
+    pub ball_radius: f32,
     pub place: Place,
     /// Fat bounds in the tree.
     pub fat: Aabb,

@@ -23,6 +23,10 @@
 //! Course slides "Gravitational Force", "Buoyancy", "Drag", "Centrifugal Force"; Morrison, *An Introduction to Fluid
 //! Mechanics* (2013) for C_d by shape; Boris 1970 for the turn by Coriolis' force.
 
+pub(crate) mod bodies;
 pub mod desc;
+pub(crate) mod edit;
+pub(crate) mod explosion;
+pub(crate) mod gust;
 pub(crate) mod point;
-pub(crate) mod state;
+pub mod state;

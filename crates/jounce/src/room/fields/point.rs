@@ -1,7 +1,10 @@
-//! Fields at a point: what particles and other matter without shape feel.
+//! Fields at a point: what a centre of mass, a particle or any matter without shape feels.
 
-use super::state::Fields;
+use super::desc::{AIR_DENSITY, AIR_VISCOSITY, FieldLaw};
+use super::gust;
+use super::state::{FieldRecord, FieldView, Fields};
 use jounce_math::{DVec3, Vec3};
+use jounce_motion::force;
 
 /// What all fields together say at one place and time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -18,10 +21,138 @@ pub(crate) struct Sample {
     pub submerged: bool,
 }
 
+/// Accelerations by mass at a place.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Pull {
+    /// By gravity-like laws: scaled by a body's `gravity_scale`.
+    pub gravity: Vec3,
+    /// By frames (without Coriolis' part) and hooks.
+    pub other: Vec3,
+    /// Ω of the frame: v turns at −2Ω.
+    pub spin: Vec3,
+}
+
+/// The medium in the open, and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Medium {
+    pub density: f32,
+    pub viscosity: f32,
+    pub flow: Vec3,
+}
+
 impl Fields {
     /// What acts on matter of these layers at `at`, moving with `velocity`.
     pub fn sample(&self, at: DVec3, velocity: Vec3, layers: u32) -> Sample {
-        let _ = (at, velocity, layers);
-        Sample::default()
+        let view =
+            FieldView { position: at, velocity, mass: 0.0, time_s: self.time, body: None, user_data: 0 };
+        let pull = self.pull(&view, layers);
+        let air = self.medium(at, layers);
+        let mut s = Sample {
+            acceleration: pull.gravity + pull.other - pull.spin.cross(velocity) * 2.0,
+            flow: air.flow,
+            density: air.density,
+            viscosity: air.viscosity,
+            submerged: false,
+        };
+        for f in self.acting(layers) {
+            if let FieldLaw::Water { surface, normal, density, viscosity, velocity, .. } = f.desc.law {
+                let below = normal.as_dvec3().dot(at - surface) < 0.0;
+                if below && density > s.density && f.desc.region.weight(at) > 0.0 {
+                    (s.flow, s.density, s.viscosity, s.submerged) = (velocity, density, viscosity, true);
+                }
+            }
+        }
+        s
+    }
+
+    /// Accelerations, without the attraction of chosen bodies on one another.
+    pub fn pull(&self, view: &FieldView, layers: u32) -> Pull {
+        let mut pull = Pull::default();
+        for f in self.acting(layers) {
+            let w = f.desc.region.weight(view.position);
+            if w > 0.0 {
+                f.add_pull(view, w, self.time, &mut pull);
+            }
+        }
+        pull
+    }
+
+    /// The medium in the open: the densest of the media, all flows together.
+    pub fn medium(&self, at: DVec3, layers: u32) -> Medium {
+        let mut m = Medium::default();
+        let (mut any_flow, mut any_medium) = (false, false);
+        for f in self.acting(layers) {
+            let flows = matches!(f.desc.law, FieldLaw::Wind { .. } | FieldLaw::Vortex { .. });
+            let drags = matches!(f.desc.law, FieldLaw::Drag { .. });
+            any_medium |= drags;
+            if !(flows || drags) {
+                continue;
+            }
+            let w = f.desc.region.weight(at);
+            if w <= 0.0 {
+                continue;
+            }
+            match f.desc.law {
+                FieldLaw::Drag { density, viscosity } if density * w >= m.density => {
+                    (m.density, m.viscosity) = (density * w, viscosity * w);
+                }
+                FieldLaw::Drag { .. } => {}
+                _ => {
+                    m.flow += f.flow(at, self.time) * w;
+                    any_flow = true;
+                }
+            }
+        }
+        if any_flow && !any_medium {
+            (m.density, m.viscosity) = (AIR_DENSITY, AIR_VISCOSITY);
+        }
+        m
+    }
+}
+
+impl FieldRecord {
+    fn add_pull(&self, view: &FieldView, w: f32, time: f64, pull: &mut Pull) {
+        match self.desc.law {
+            FieldLaw::Uniform { acceleration } => pull.gravity += acceleration * w,
+            FieldLaw::Point { center, mu, softening } => {
+                let a = force::gravitation(mu, 1.0, 1.0, center - view.position, softening);
+                pull.gravity += a.as_vec3() * w;
+            }
+            FieldLaw::RotatingFrame { origin, angular_acceleration, .. } => {
+                let spin = self.frame_spin(time);
+                let r = view.position - origin;
+                let omega = spin.as_dvec3();
+                let a = force::centrifugal(1.0, omega, r)
+                    + force::euler_force(1.0, angular_acceleration.as_dvec3(), r);
+                pull.other += a.as_vec3() * w;
+                pull.spin += spin * w;
+            }
+            FieldLaw::User { .. } => {
+                if let Some(h) = &self.hook {
+                    pull.other += (h.0)(view) * w;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Velocity of the medium that this field adds.
+    fn flow(&self, at: DVec3, time: f64) -> Vec3 {
+        match self.desc.law {
+            FieldLaw::Wind { velocity, gust } => {
+                velocity + gust.map_or(Vec3::ZERO, |g| gust::velocity(&g, velocity, at, time))
+            }
+            FieldLaw::Vortex { center, axis, speed, core_radius, inflow, updraft } => {
+                let d = (at - center).as_vec3();
+                let radial = d - axis * d.dot(axis);
+                let Some((out, r)) = radial.try_normalize() else { return axis * updraft };
+                // Rankine's vortex: solid turn in the core, potential flow outside.
+                let x = r / core_radius;
+                let swirl = if x < 1.0 { speed * x } else { speed / x };
+                let up = if x < 1.0 { updraft } else { updraft / (x * x) };
+                axis.cross(out) * swirl - out * (inflow * swirl) + axis * up
+            }
+            _ => Vec3::ZERO,
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! Writes the motion of a step back to the frames.
 
 use super::desc::BodyKind;
+use super::solve::{settle, turns_freely};
 use super::state::{BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
@@ -18,6 +19,10 @@ pub(crate) fn finish(
     limits: [f32; 2],
 ) {
     let mut s = state.get();
+    if turns_freely(b) {
+        settle(&mut s, turning, mass, f.rotation0);
+        state.put(&s);
+    }
     f.center = f.center0 + s.dp.as_dvec3();
     f.rotation = rotation(&s, turning, f.rotation0, mass);
     if let (BodyKind::Kinematic, Some(target)) = (b.kind, b.target.take()) {

@@ -1,10 +1,19 @@
 //! Free motion of one substep.
 //!
 //! Torque-free turn. The angular momentum L is constant in the world, so in body axes ℓ = Rᵀ L turns with −ω,
-//! ω = I⁻¹ ℓ. With principal moments I₁, I₂, I₃ the energy splits into three parts ℓᵢ²/2Iᵢ, each of which turns
-//! ℓ and the body about axis i by the angle φ = ℓᵢ h / Iᵢ, exactly. Symmetric composition (½ of 1, ½ of 2, 3, ½ of 2,
-//! ½ of 1) is second order, symplectic, and keeps |ℓ| by construction
-//! (Touma & Wisdom 1994; Dullweber, Leimkuhler & McLachlan 1997).
+//! ω = I⁻¹ ℓ. With principal moments Iᵢ and the middle one I_m the energy is
+//!
+//! |ℓ|²/2I_m + Σ ½ (1/Iᵢ − 1/I_m) ℓᵢ²   over the other two axes i.
+//!
+//! The first part turns the body about the fixed L by |ℓ| h/I_m and leaves ℓ; the others turn ℓ and the body about axis i by
+//! φ = ℓᵢ h (1/Iᵢ − 1/I_m). All exactly, and the first commutes with the others: only the order of those two matters, and
+//! symmetric composition (½ of i, k, ½ of i) makes it second order, symplectic, with |ℓ| kept by construction. A body with two
+//! equal moments, however slender, turns exactly. (Splitting into three axes, Touma & Wisdom 1994 and Dullweber, Leimkuhler &
+//! McLachlan 1997, errs by h² I_across/I_along: a rod of 1:50 lost its energy.)
+//!
+//! Impulses are momentum. Contacts, forces and fields change ω through the inverse inertia that is frozen within the step,
+//! I₀⁻¹. A slender body turns away from it: read as a change of ω, a twist about what was its axis would be a throw across
+//! it by now, with hundreds of times the energy. So what is taken over from them is ΔL = I₀ Δω, and ω follows from L.
 //!
 //! The usual implicit gyroscopic step loses |L|; this one does not. Rotations are rational: with t ≈ tan(φ/2) the
 //! quaternion (t, 1)/√(1+t²) turns by 2 atan t; t = x(15 − x²)/(15 − 6x²), x = φ/2, is the [3/2] Padé form
@@ -41,8 +50,18 @@ pub(crate) fn integrate_velocity(s: &mut BodyState, b: &BodyStep, i: &InvInertia
         return;
     }
     let v = (s.v() + b.acceleration * h) * (1.0 / (1.0 + h * b.linear_damping));
-    let w = (s.w() + i.mul(b.torque) * h) * (1.0 / (1.0 + h * b.angular_damping));
+    let mut w = s.w() + i.mul(b.torque) * h;
+    // Where the turn is free, it is the momentum that is damped.
+    if !turns_freely(b) {
+        w *= 1.0 / (1.0 + h * b.angular_damping);
+    }
     s.set_velocity(v, w);
+}
+
+/// Unequal moments, nothing locked: the angular velocity changes by itself.
+#[inline(always)]
+pub(crate) fn turns_freely(b: &BodyStep) -> bool {
+    !b.isotropic && b.kind == BodyKind::Dynamic && b.locks & 56 == 0
 }
 
 /// Velocities to positions, with locks and speed limits; bodies with unequal moments turn torque-free.
@@ -63,18 +82,20 @@ pub(crate) fn integrate_position(
     if v2 > sub.linear_speed_max * sub.linear_speed_max {
         s.v *= sub.linear_speed_max / v2.sqrt();
     }
-    let w2 = s.w.length_squared();
-    if w2 > sub.angular_speed_max * sub.angular_speed_max && !b.fast_rotation {
-        s.w *= sub.angular_speed_max / w2.sqrt();
-    }
     s.dp += s.v * sub.h;
-    if b.isotropic || b.kind != BodyKind::Dynamic || b.locks & 56 != 0 || w2 < SPIN_MIN_SQUARED {
+    let w2 = s.w.length_squared();
+    if turns_freely(b) && w2 >= SPIN_MIN_SQUARED {
+        let limit = if b.fast_rotation { f32::INFINITY } else { sub.angular_speed_max };
+        let keep = 1.0 / (1.0 + f64::from(sub.h * b.angular_damping));
+        torque_free(&mut s, turning, &bodies[b.body].mass, frames[b.body as usize].rotation, sub.h, keep, limit);
+    } else {
+        if w2 > sub.angular_speed_max * sub.angular_speed_max && !b.fast_rotation {
+            s.w *= sub.angular_speed_max / w2.sqrt();
+        }
         let r = s.w * sub.h;
         s.dr += r;
         s.dq = turn_fast(r, w2, b.fast_rotation) * s.dq;
         s.dq = s.dq.normalize();
-    } else {
-        torque_free(&mut s, turning, &bodies[b.body].mass, frames[b.body as usize].rotation, sub.h);
     }
     state.put(&s);
 }
@@ -100,18 +121,29 @@ fn apply_locks(s: &mut Motion, locks: u8) {
     }
 }
 
-/// Turns `l` (body axes) and `q` about principal axis `i` by the angle ℓᵢ h / Iᵢ.
+/// Half angle reduced to a radian, where the rational tan holds, and how often to repeat it.
 #[inline(always)]
-fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, inv_moment: f64, h: f64) {
-    let mut x = 0.5 * l[i] * inv_moment * h;
-    // Past a radian the rational form is not tan any more; only exempt bodies come here.
+fn reduced(mut x: f64) -> (f64, u32) {
     let mut turns = 1;
     while x.abs() > 1.0 && turns < 64 {
         x *= 0.5;
         turns *= 2;
     }
+    (x, turns)
+}
+
+/// tan x for |x| ≤ 1, rational.
+#[inline(always)]
+fn tan(x: f64) -> f64 {
     let x2 = x * x;
-    let t = x * (15.0 - x2) / (15.0 - 6.0 * x2);
+    x * (15.0 - x2) / (15.0 - 6.0 * x2)
+}
+
+/// Turns `l` (body axes) and `q` about principal axis `i` by the angle ℓᵢ h d.
+#[inline(always)]
+fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, d: f64, h: f64) {
+    let (x, turns) = reduced(0.5 * l[i] * d * h);
+    let t = tan(x);
     let n = 1.0 / (1.0 + t * t);
     let (c, s) = ((1.0 - t * t) * n, 2.0 * t * n);
     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
@@ -131,34 +163,100 @@ fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, inv_moment: f64, h: f64) {
     }
 }
 
-fn torque_free(s: &mut Motion, memory: &mut Option<Turning>, mass: &Mass, rotation: Quat, h: f32) {
-    let moments = mass.moments;
+/// The turn by the rotation vector `r` (radians), rational.
+#[inline(always)]
+fn turn_by(r: DVec3) -> DQuat {
+    let angle = r.length();
+    if angle == 0.0 {
+        return DQuat::IDENTITY;
+    }
+    let (x, turns) = reduced(0.5 * angle);
+    let t = tan(x);
+    let v = r * (t / angle);
+    let step = DQuat::new(v.x, v.y, v.z, 1.0).normalize();
+    let mut q = DQuat::IDENTITY;
+    for _ in 0..turns {
+        q = step * q;
+    }
+    q
+}
+
+/// Axes of the largest and the smallest moment, and the middle moment.
+#[inline(always)]
+fn outer_axes(m: DVec3) -> (usize, usize, f64) {
+    let middle = if (m.x >= m.y) == (m.x <= m.z) {
+        0
+    } else if (m.y >= m.x) == (m.y <= m.z) {
+        1
+    } else {
+        2
+    };
+    ((middle + 1) % 3, (middle + 2) % 3, m[middle])
+}
+
+/// Angular momentum now: what the last turn left, and what impulses have added since through the frozen inertia.
+fn momentum(w: Vec3, dq: Quat, memory: Option<&Turning>, mass: &Mass, rotation: Quat) -> (DVec3, DQuat) {
     let frame = mass.principal.as_dquat().normalize();
-    // While nothing changed the rotation or ω since the last turn, they are known exactly.
-    let known = memory.filter(|t| t.rotation == rotation && t.dq == s.dq);
-    let mut q = match known {
-        Some(t) => t.q,
-        None => (s.dq.as_dquat() * rotation.as_dquat() * frame).normalize(),
-    };
-    let world = match known {
-        Some(t) if t.w == s.w => t.momentum,
-        _ => {
-            let w = q.inverse_rotate(s.w.as_dvec3());
-            q.rotate(w.mul(moments))
+    // While nothing else turned the body since the last turn, its rotation and momentum are known exactly.
+    if let Some(t) = memory.filter(|t| t.rotation == rotation && t.dq == dq) {
+        if t.w == w {
+            return (t.momentum, t.q);
         }
-    };
+        let frozen = (rotation.as_dquat() * frame).normalize();
+        let change = frozen.inverse_rotate(w.as_dvec3() - t.w.as_dvec3()).mul(mass.moments);
+        return (t.momentum + frozen.rotate(change), t.q);
+    }
+    let q = (dq.as_dquat() * rotation.as_dquat() * frame).normalize();
+    (q.rotate(q.inverse_rotate(w.as_dvec3()).mul(mass.moments)), q)
+}
+
+fn inverse(m: DVec3) -> DVec3 {
+    DVec3::new(1.0 / m.x, 1.0 / m.y, 1.0 / m.z)
+}
+
+fn torque_free(
+    s: &mut Motion,
+    memory: &mut Option<Turning>,
+    mass: &Mass,
+    rotation: Quat,
+    h: f32,
+    keep: f64,
+    limit: f32,
+) {
+    let (world, mut q) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
+    let inv = inverse(mass.moments);
+    let mut world = world * keep;
     let mut l = q.inverse_rotate(world);
+    let speed = l.mul(inv).length();
+    if speed > f64::from(limit) {
+        let scale = f64::from(limit) / speed;
+        (world, l) = (world * scale, l * scale);
+    }
+    let before = q.rotate(l.mul(inv));
     let h64 = f64::from(h);
-    let inv = DVec3::new(1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z);
-    turn_about(0, &mut l, &mut q, inv.x, 0.5 * h64);
-    turn_about(1, &mut l, &mut q, inv.y, 0.5 * h64);
-    turn_about(2, &mut l, &mut q, inv.z, h64);
-    turn_about(1, &mut l, &mut q, inv.y, 0.5 * h64);
-    turn_about(0, &mut l, &mut q, inv.x, 0.5 * h64);
-    let q = q.normalize();
-    let w = q.rotate(q.inverse_rotate(world).mul(inv)).as_vec3();
-    s.dr += (s.w + w) * (0.5 * h);
+    let (i, k, middle) = outer_axes(mass.moments);
+    let (di, dk) = (inv[i] - 1.0 / middle, inv[k] - 1.0 / middle);
+    turn_about(i, &mut l, &mut q, di, 0.5 * h64);
+    turn_about(k, &mut l, &mut q, dk, h64);
+    turn_about(i, &mut l, &mut q, di, 0.5 * h64);
+    let q = (turn_by(world * (h64 / middle)) * q).normalize();
+    let w = q.rotate(q.inverse_rotate(world).mul(inv));
+    s.dr += ((before + w) * (0.5 * h64)).as_vec3();
+    let frame = mass.principal.as_dquat().normalize();
     s.dq = (q * (rotation.as_dquat() * frame).conjugate()).normalize().as_quat();
-    s.w = w;
-    *memory = Some(Turning { momentum: world, w, q, rotation, dq: s.dq });
+    s.w = w.as_vec3();
+    *memory = Some(Turning { momentum: world, w: s.w, q, rotation, dq: s.dq });
+}
+
+/// After the last substep: impulses that came since its turn become momentum, and ω follows.
+pub(crate) fn settle(s: &mut Motion, memory: &mut Option<Turning>, mass: &Mass, rotation: Quat) {
+    let (world, q) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
+    if let Some(t) = memory
+        && t.rotation == rotation
+        && t.dq == s.dq
+        && t.w != s.w
+    {
+        s.w = q.rotate(q.inverse_rotate(world).mul(inverse(mass.moments))).as_vec3();
+        (t.momentum, t.w) = (world, s.w);
+    }
 }
