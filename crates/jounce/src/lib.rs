@@ -77,9 +77,9 @@ pub use jounce_tasks as tasks;
 /// What most programs need.
 pub mod prelude {
     pub use crate::{
-        Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, EmitterDesc, EmitterId, EmitterShape, Event,
-        Explosion, FieldDesc, FieldId, FieldLaw, Filter, Material, ParticleCollision, QueryFilter, Ray, Region,
-        ShapeDesc, ShapeId, World, WorldDesc,
+        Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, EmitterDesc, EmitterId, EmitterShape,
+        Event, Explosion, FieldDesc, FieldId, FieldLaw, Filter, Material, ParticleCollision, QueryFilter,
+        Ray, Region, ShapeDesc, ShapeId, World, WorldDesc,
     };
     pub use jounce_geometry::Shape;
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};

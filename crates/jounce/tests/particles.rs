@@ -1,5 +1,6 @@
 //! Particles from outside: closed forms, conserved quantities, bounds, bad input.
 
+use jounce::math::scalar::f64s;
 use jounce::prelude::*;
 use jounce::{
     Burst, Command, EmitDirection, Error, HitResponse, Output, ParticleSpawn, ParticleView, Turbulence, Width,
@@ -78,7 +79,7 @@ fn rate_times_time_is_the_number_born() {
         for n in 1..=600u32 {
             world.step().expect("steps");
             let time = f64::from(n) / 60.0 - delay;
-            let expected = (rate * time.max(0.0) + 1e-9).floor() as u64;
+            let expected = (rate * f64s::max(time, 0.0) + 1e-9).floor() as u64;
             assert_eq!(world.emitter(e).expect("alive").born(), expected, "{rate} {delay} {n}");
         }
     }
@@ -88,7 +89,8 @@ fn rate_times_time_is_the_number_born() {
 #[test]
 fn births_within_a_step_are_evenly_spaced() {
     let mut world = weightless();
-    let e = world.add_emitter(EmitterDesc::new().rate(1000.0).speed(2.0, 2.0).lifetime(9.0, 9.0)).expect("valid");
+    let e =
+        world.add_emitter(EmitterDesc::new().rate(1000.0).speed(2.0, 2.0).lifetime(9.0, 9.0)).expect("valid");
     steps(&mut world, 30);
     let y: Vec<f64> = world.emitter(e).expect("alive").particles().map(|p| p.position.y).collect();
     assert_eq!(y.len(), 500);
@@ -173,7 +175,7 @@ fn a_bounce_is_the_lectures() {
 
 #[test]
 fn terminal_speed_is_exact() {
-    // Linear: g/k. In air by C_d: see `media_fields` below.
+    // Linear: g/k.
     let mut world = empty();
     one(&mut world, EmitterDesc::new().linear_drag(4.0), spawn([0.0, 1000.0, 0.0], [0.0; 3]));
     steps(&mut world, 600);
@@ -238,7 +240,11 @@ fn a_push_wakes_a_sleeping_body() {
     steps(&mut world, 120);
     assert!(!world.body(b).expect("alive").is_awake());
     let c = ParticleCollision { push: true, ..ParticleCollision::default() };
-    one(&mut world, EmitterDesc::new().collision(c), ParticleSpawn { mass: 0.2, ..spawn([-3.0, 1.0, 0.0], [9.0, 1.0, 0.0]) });
+    one(
+        &mut world,
+        EmitterDesc::new().collision(c),
+        ParticleSpawn { mass: 0.2, ..spawn([-3.0, 1.0, 0.0], [9.0, 1.0, 0.0]) },
+    );
     let mut woke = false;
     for _ in 0..60 {
         world.step().expect("steps");
@@ -274,7 +280,8 @@ fn particles_stick_and_ride() {
 fn fast_particles_do_not_pass_thin_things() {
     let mut world = weightless();
     let corners = [[-2.0, -2.0], [2.0, -2.0], [0.0, 3.0]].map(|[y, z]| Vec3::new(2.0, y, z));
-    let mesh = jounce::geometry::TriMesh::new(&corners, &[[0, 1, 2]], Default::default()).expect("a triangle");
+    let mesh =
+        jounce::geometry::TriMesh::new(&corners, &[[0, 1, 2]], Default::default()).expect("a triangle");
     let shapes = [
         ShapeDesc::mesh(Arc::new(mesh)),
         ShapeDesc::cuboid([1e-3, 1.0, 1.0]).at([2.0, 0.0, 0.0]),
@@ -301,7 +308,9 @@ fn particles_rest_on_what_they_fall_on() {
     floor(&mut world);
     let tilt = Quat::from_axis_angle(Vec3::Z, 0.3);
     world
-        .add_body(BodyDesc::fixed().at([3.0, 0.0, 0.0]).rotated(tilt).shape(ShapeDesc::cuboid([1.0, 0.5, 1.0])))
+        .add_body(
+            BodyDesc::fixed().at([3.0, 0.0, 0.0]).rotated(tilt).shape(ShapeDesc::cuboid([1.0, 0.5, 1.0])),
+        )
         .expect("valid");
     let lift = BodyDesc::kinematic().at([-3.0, 0.0, 0.0]).velocity([0.0, 0.5, 0.0]);
     world.add_body(lift.shape(ShapeDesc::cuboid([1.0, 0.5, 1.0]))).expect("valid");
@@ -321,14 +330,17 @@ fn hits_are_told_and_killers_kill() {
     let mut world = empty();
     let ground = floor(&mut world);
     let shape = world.body(ground).expect("alive").shapes().next().expect("one");
-    let c = ParticleCollision { response: HitResponse::Kill, hit_events: true, ..ParticleCollision::default() };
+    let c =
+        ParticleCollision { response: HitResponse::Kill, hit_events: true, ..ParticleCollision::default() };
     let e = one(&mut world, EmitterDesc::new().collision(c), spawn([0.0, 1.05, 0.0], [2.0, 0.0, 0.0]));
     let mut hits = Vec::new();
     for _ in 0..60 {
         world.step().expect("steps");
         hits.extend(world.events().iter().copied().filter(|e| matches!(e, Event::ParticleHit { .. })));
     }
-    let [Event::ParticleHit { emitter, shape: s, point, normal, speed }] = hits[..] else { panic!("{hits:?}") };
+    let [Event::ParticleHit { emitter, shape: s, point, normal, speed }] = hits[..] else {
+        panic!("{hits:?}")
+    };
     assert_eq!((emitter, s, normal), (e, shape, Vec3::Y));
     // √(2 g · 1 m) = 4.43 m/s, half a step's g h early.
     assert!((speed - 4.43).abs() < 0.1 && point.y.abs() < 1e-4, "{speed} {point:?}");
@@ -499,6 +511,7 @@ fn bad_descriptions_are_refused() {
     ] {
         assert!(world.emit_particles(e, vec![s]).is_err());
     }
+    assert_eq!(world.hash(), hash, "refused commands change nothing");
     let b = world.add_body(BodyDesc::fixed()).expect("valid");
     world.remove_body(b).expect("alive");
     assert!(matches!(world.add_emitter(EmitterDesc::new().on(b)), Err(Error::Stale { what: "body", .. })));
@@ -512,19 +525,21 @@ fn bad_descriptions_are_refused() {
     ] {
         assert!(matches!(world.apply(c), Err(Error::Stale { what: "emitter", .. })));
     }
-    let _ = hash;
 }
 
-/// Worlds without emitters hash as before there were any; with them, all widths and threads agree.
+/// All widths and threads agree.
 #[test]
 fn widths_and_threads_agree() {
     let make = |width: Width, tasks: Tasks| {
         let mut world = empty();
-        (world.set_width(width), world.set_tasks(tasks));
+        world.set_width(width);
+        world.set_tasks(tasks);
         floor(&mut world);
         for i in 0..20 {
             let at = [f64::from(i % 5) - 2.0, 1.0 + f64::from(i / 5), 0.3];
-            world.add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid([0.2, 0.3, 0.2]))).expect("valid");
+            world
+                .add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid([0.2, 0.3, 0.2])))
+                .expect("valid");
         }
         let c = ParticleCollision { push: true, hit_events: true, ..ParticleCollision::default() };
         let turbulence = Turbulence { speed: 2.0, size: 0.7, time_s: 0.4, seed: 5 };
@@ -546,4 +561,138 @@ fn widths_and_threads_agree() {
             assert_eq!(make(width, tasks), reference, "{width:?}");
         }
     }
+}
+
+/// m g = ½ρ C_d π r² v² + 6πηr v in air, with the same root for the speed as the schoolbook's.
+#[test]
+fn terminal_speed_in_air_is_that_of_the_medium() {
+    let mut world = empty();
+    world.add_field(FieldDesc::air()).expect("valid");
+    let s = ParticleSpawn { mass: 0.002, radius: 0.01, ..spawn([0.0, 5000.0, 0.0], [0.0; 3]) };
+    one(&mut world, EmitterDesc::new(), s);
+    steps(&mut world, 1200);
+    let pi = core::f64::consts::PI;
+    let (a, b, c) = (0.5 * 1.2 * 0.47 * pi * 1e-4, 6.0 * pi * 1.81e-5 * 0.01, 0.002 * 9.81);
+    let expected = (-b + (b * b + 4.0 * a * c).sqrt()) / (2.0 * a);
+    let got = -f64::from(only(&world).velocity.y);
+    assert!((got / expected - 1.0).abs() < 1e-5, "{got} {expected}");
+}
+
+/// Particles with linear drag take the wind's speed, v = w (1 − 1/(1 + hk)ⁿ), here, there and in a region of its own.
+#[test]
+fn wind_carries_particles() {
+    for within in [
+        jounce::Region::Everywhere,
+        jounce::Region::Box { center: DVec3::ZERO, half: DVec3::splat(1e3), falloff: 0.0 },
+    ] {
+        let mut world = weightless();
+        world.add_field(FieldDesc::wind([4.0, 0.0, 0.0]).within(within)).expect("valid");
+        let d = EmitterDesc { drag_coefficient: 0.0, ..EmitterDesc::new().linear_drag(2.0) };
+        let s = ParticleSpawn { radius: 1e-6, ..spawn([0.0; 3], [0.0; 3]) };
+        one(&mut world, d, s);
+        steps(&mut world, 60);
+        let expected = 4.0 * (1.0 - f64s::pow(1.0 + 2.0 / 60.0, -60.0));
+        // Stokes' drag in the air that comes with the wind adds 6πηr/m = 3e-8 /s.
+        assert!((f64::from(only(&world).velocity.x) - expected).abs() < 1e-4, "{:?}", only(&world));
+    }
+}
+
+/// A bubble of a tenth of the water's density rises: m a = (ρ − ρ_b) V g at first; and a stone sinks by the same law.
+#[test]
+fn liquids_lift() {
+    for density in [100.0f32, 2000.0] {
+        let mut world = empty();
+        world.add_field(FieldDesc::water(0.0)).expect("valid");
+        let volume = 4.0 / 3.0 * core::f32::consts::PI * 0.05 * 0.05 * 0.05;
+        let s = ParticleSpawn { mass: density * volume, radius: 0.05, ..spawn([0.0, -50.0, 0.0], [0.0; 3]) };
+        one(&mut world, EmitterDesc { drag_coefficient: 0.0, ..EmitterDesc::new() }, s);
+        steps(&mut world, 1);
+        let a = only(&world).velocity.y * 60.0;
+        let expected = 9.81 * (1000.0 / density - 1.0);
+        assert!((a / expected - 1.0).abs() < 1e-3, "{a} {expected}");
+    }
+}
+
+/// Δv = p (1 − d/R)² π r²/m, and nothing behind a wall.
+#[test]
+fn a_blast_throws_particles() {
+    let mut world = weightless();
+    let wall = ShapeDesc::cuboid([0.1, 2.0, 2.0]).at([-1.0, 0.0, 0.0]);
+    world.add_body(BodyDesc::fixed().shape(wall)).expect("valid");
+    let e = world.add_emitter(EmitterDesc::new()).expect("valid");
+    let at = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-2.0, 0.0, 0.0], [0.0, 0.0, 5.0]];
+    world.emit_particles(e, at.map(|p| spawn(p, [0.0; 3])).to_vec()).expect("valid");
+    world.explode(Explosion::new(DVec3::ZERO, 4.0, 10.0)).expect("valid");
+    let v: Vec<Vec3> = world.particles().map(|p| p.velocity).collect();
+    let full = 10.0 * core::f32::consts::PI * 0.05 * 0.05 / 0.01;
+    assert!((v[0] - Vec3::X * (full * 9.0 / 16.0)).length() < 1e-5, "{v:?}");
+    assert!((v[1] - Vec3::Y * (full / 4.0)).length() < 1e-5, "{v:?}");
+    assert_eq!(v[2..], [Vec3::ZERO; 2]);
+}
+
+/// Hot air rises: a = g ΔT/T at birth, and e^(−t/τ) of it later; with drag k it nears a/k.
+#[test]
+fn heat_lifts_and_cools() {
+    let mut world = empty();
+    let heat = jounce::Heat { excess: 100.0, ambient: 300.0, cooling_s: 2.0 };
+    let d = EmitterDesc { gravity_scale: 0.0, heat: Some(heat), ..EmitterDesc::new() };
+    one(&mut world, d, spawn([0.0; 3], [0.0; 3]));
+    steps(&mut world, 120);
+    // ∫ a e^(−t/τ) dt, by the right-hand rule of h = 1/60 s: off by h/2 of the first rate.
+    let expected = 9.81 / 3.0 * 2.0 * (1.0 - jounce::math::scalar::f32s::exp(-1.0));
+    assert!((only(&world).velocity.y - expected).abs() < 0.03, "{} {expected}", only(&world).velocity.y);
+}
+
+/// Every shape bears inside of itself and evenly: the mean of many is the middle.
+#[test]
+fn shapes_bear_evenly() {
+    let corners = [[0.0, 0.0, 0.0], [0.0, 0.0, 2.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Vec3::from);
+    let mesh =
+        jounce::geometry::TriMesh::new(&corners, &[[0, 1, 2], [0, 2, 3]], Default::default()).expect("valid");
+    // Areas 2 and 1, centroids (2/3, 0, 2/3) and (2/3, 1/3, 0).
+    let middle = DVec3::new(2.0 / 3.0, 1.0 / 9.0, 4.0 / 9.0);
+    let shapes = [
+        (EmitterShape::Sphere { radius: 1.0, surface: false }, DVec3::ZERO, 0.6f64.sqrt()),
+        (EmitterShape::Sphere { radius: 1.0, surface: true }, DVec3::ZERO, 1.0),
+        (EmitterShape::Disc { radius: 1.0 }, DVec3::ZERO, 0.5f64.sqrt()),
+        (EmitterShape::Box { half: Vec3::new(1.0, 2.0, 0.5) }, DVec3::ZERO, (5.25f64 / 3.0).sqrt()),
+        (EmitterShape::Mesh(Arc::new(mesh)), middle, 0.0),
+    ];
+    for (shape, middle, rms) in shapes {
+        let mut world = weightless();
+        let name = format!("{shape:?}");
+        let d = EmitterDesc::new().shape(shape).speed(0.0, 0.0).max_particles(20_000);
+        let e = world.add_emitter(d).expect("valid");
+        world.emit_burst(e, 20_000).expect("room");
+        let n = 20_000.0;
+        let mean = world.particles().fold(DVec3::ZERO, |s, p| s + p.position) * (1.0 / n);
+        let square: f64 = world.particles().map(|p| p.position.length_squared()).sum();
+        // 1/√20000 of the size, three times over.
+        assert!((mean - middle).length() < 0.03, "{name}: {mean:?}");
+        assert!(
+            rms == 0.0 || ((square / n).sqrt() - rms).abs() < 0.02,
+            "{name}: {} {rms}",
+            (square / n).sqrt()
+        );
+    }
+}
+
+/// In a cone of 60° the mean of cos θ is (1 + cos 60°)/2.
+#[test]
+fn directions_fill_their_cone_evenly() {
+    let mut world = weightless();
+    let axis = Vec3::new(0.6, 0.0, 0.8);
+    let d = EmitterDesc::new()
+        .direction(EmitDirection::Along(axis))
+        .spread(core::f32::consts::FRAC_PI_3)
+        .speed(2.0, 2.0);
+    let e = world.add_emitter(d.max_particles(20_000)).expect("valid");
+    world.emit_burst(e, 20_000).expect("room");
+    let (mut sum, mut least) = (0.0f64, 1.0f32);
+    for p in world.particles() {
+        let cos = p.velocity.dot(axis) * 0.5;
+        sum += f64::from(cos);
+        least = if cos < least { cos } else { least };
+    }
+    assert!((sum / 20_000.0 - 0.75).abs() < 0.005 && least > 0.4999 && least < 0.51, "{sum} {least}");
 }

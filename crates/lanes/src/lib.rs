@@ -73,11 +73,7 @@ pub trait Mask:
 
 /// `u32`s, one per lane; arithmetic wraps.
 pub trait Bits:
-    Copy
-    + Add<Output = Self>
-    + Mul<Output = Self>
-    + BitXor<Output = Self>
-    + sealed::Sealed
+    Copy + Add<Output = Self> + Mul<Output = Self> + BitXor<Output = Self> + sealed::Sealed
 {
     /// The floats of as many lanes.
     type Floats: Lanes<Bits = Self>;

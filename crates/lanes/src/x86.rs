@@ -241,12 +241,42 @@ macro_rules! bits {
     };
 }
 // Shifts by a register that holds a constant: the compiler makes the immediate form of them.
-bits!(U32x4, F32x4, _mm_set1_epi32, _mm_sll_epi32, _mm_srl_epi32, _mm_castsi128_ps, _mm_cvtepi32_ps, mul4,
-    _mm_add_epi32, _mm_xor_si128);
-bits!(U32x8, F32x8, _mm256_set1_epi32, _mm256_sll_epi32, _mm256_srl_epi32, _mm256_castsi256_ps, _mm256_cvtepi32_ps,
-    _mm256_mullo_epi32, _mm256_add_epi32, _mm256_xor_si256);
-bits!(U32x16, F32x16, _mm512_set1_epi32, _mm512_sll_epi32, _mm512_srl_epi32, _mm512_castsi512_ps,
-    _mm512_cvtepi32_ps, _mm512_mullo_epi32, _mm512_add_epi32, _mm512_xor_si512);
+bits!(
+    U32x4,
+    F32x4,
+    _mm_set1_epi32,
+    _mm_sll_epi32,
+    _mm_srl_epi32,
+    _mm_castsi128_ps,
+    _mm_cvtepi32_ps,
+    mul4,
+    _mm_add_epi32,
+    _mm_xor_si128
+);
+bits!(
+    U32x8,
+    F32x8,
+    _mm256_set1_epi32,
+    _mm256_sll_epi32,
+    _mm256_srl_epi32,
+    _mm256_castsi256_ps,
+    _mm256_cvtepi32_ps,
+    _mm256_mullo_epi32,
+    _mm256_add_epi32,
+    _mm256_xor_si256
+);
+bits!(
+    U32x16,
+    F32x16,
+    _mm512_set1_epi32,
+    _mm512_sll_epi32,
+    _mm512_srl_epi32,
+    _mm512_castsi512_ps,
+    _mm512_cvtepi32_ps,
+    _mm512_mullo_epi32,
+    _mm512_add_epi32,
+    _mm512_xor_si512
+);
 
 /// The low halves of the four products; SSE2 multiplies two at a time. ([`_mm_mullo_epi32`] is SSE4.1's.)
 ///

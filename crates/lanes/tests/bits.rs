@@ -55,8 +55,27 @@ impl Random {
 
 const ARITHMETIC: [&str; 5] = ["+", "-", "*", "/", "sqrt"];
 const EXACT: [&str; 21] = [
-    "neg", "abs", "min", "max", "lt", "le", "eq", "gt", "ge", "and", "or", "not", "splat", "copy", "bits +",
-    "bits *", "bits ^", "<<", ">>", "bits splat", "signed",
+    "neg",
+    "abs",
+    "min",
+    "max",
+    "lt",
+    "le",
+    "eq",
+    "gt",
+    "ge",
+    "and",
+    "or",
+    "not",
+    "splat",
+    "copy",
+    "bits +",
+    "bits *",
+    "bits ^",
+    "<<",
+    ">>",
+    "bits splat",
+    "signed",
 ];
 const OPS: usize = ARITHMETIC.len() + EXACT.len();
 

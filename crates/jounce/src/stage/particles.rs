@@ -6,9 +6,9 @@
 
 use super::Step;
 use crate::event::Event;
-use crate::limits;
 use crate::room::fields::desc::{FieldLaw, Region};
-use crate::room::particles::prepare::{EmitterStep, ends, schedule};
+use crate::room::particles::ball::Around;
+use crate::room::particles::prepare::{EmitterStep, Rules, ends, schedule};
 use crate::room::particles::solve::{self, Advance, Medium, Out, Scratch};
 use crate::room::particles::state::{Block, Emitter, LANES, Particles};
 use crate::room::particles::{collide, obstacles, on_plane, settle, view};
@@ -36,9 +36,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         scratch.steps.push(prepared);
     }
     solve_blocks(world, &mut particles, &mut scratch);
+    let mut told = 0;
     for slot in 0..slots as u32 {
         if particles.emitters.get(slot).is_some() {
-            settle::emitter(world, &mut particles, &scratch, slot);
+            settle::emitter(world, &mut particles, &scratch, slot, &mut told);
         }
     }
     settle::tidy(&mut particles);
@@ -58,11 +59,14 @@ fn remove_ended(particles: &mut Particles, slots: u32) {
     }
 }
 
-/// Whether a law says the same at every place and speed.
+/// Whether a law says the same of particles at every place and speed (bodies that attract one another say nothing).
 fn is_uniform(law: &FieldLaw) -> bool {
     matches!(
         law,
-        FieldLaw::Uniform { .. } | FieldLaw::Drag { .. } | FieldLaw::Wind { gust: None, .. }
+        FieldLaw::Uniform { .. }
+            | FieldLaw::Drag { .. }
+            | FieldLaw::Wind { gust: None, .. }
+            | FieldLaw::NBody { .. }
     )
 }
 
@@ -78,8 +82,10 @@ fn prepare(
     let stand = world.emitter_stand(slot);
     let room = world.particle_room(slot);
     core::mem::swap(&mut world.particles, particles);
-    let stale = |e: &Emitter| e.desc.body.is_some_and(|b| world.slot(b).is_err());
-    rebase(particles, slot, stand.poses[1].p);
+    let stale = particles.emitters[slot].desc.body.is_some_and(|b| world.slot(b).is_err());
+    if !stale {
+        rebase(particles, slot, stand.poses[1].p);
+    }
     let e = &particles.emitters[slot];
     let mut s = EmitterStep::new(e, stand, world.gravity, step.dt, world.time());
     s.medium = uniform_medium(world, e);
@@ -87,7 +93,7 @@ fn prepare(
     if !e.desc.enabled || e.finished {
         return s;
     }
-    if stale(e) {
+    if stale {
         finish(world, &mut particles.emitters[slot], slot);
         return s;
     }
@@ -165,11 +171,8 @@ fn solve_blocks(world: &World, particles: &mut Particles, scratch: &mut Scratch)
     let mut outs = core::mem::take(&mut scratch.outs);
     outs.resize_with(pool.len().max(outs.len()), Out::default);
     let shared: &Scratch = scratch;
-    let reach = if shared.steps.iter().flatten().any(|s| s.rules.is_some()) {
-        obstacles::reach(world)
-    } else {
-        0.0
-    };
+    let reach =
+        if shared.steps.iter().flatten().any(|s| s.rules.is_some()) { obstacles::reach(world) } else { 0.0 };
     let n = pool.len();
     world.tasks.for_each2(pool, &mut outs[..n], BLOCKS, |_, block, out| {
         let Some(e) = emitters.get(block.emitter) else { return };
@@ -247,23 +250,17 @@ fn hold(world: &World, step: &EmitterStep, block: &mut Block, next: &mut solve::
 }
 
 /// The particles near obstacles, one by one.
-fn meet(
-    world: &World,
-    block: &mut Block,
-    rules: &crate::room::particles::prepare::Rules,
-    next: &mut solve::Next,
-    held: u64,
-    out: &mut Out,
-) {
+fn meet(world: &World, block: &mut Block, rules: &Rules, next: &mut solve::Next, held: u64, out: &mut Out) {
     let near = out.obstacles.iter().fold(0, |bits, o| bits | o.near);
     let mut lanes = near & solve::in_use(block.count) & !next.dead & !held;
     lanes &= !on_plane::run(world.width, block, next, rules, &out.obstacles, lanes);
     let shape = |slot: u32| &world.shapes[slot].shape;
+    let mut around = Around::new();
     while lanes != 0 {
         let l = lanes.trailing_zeros() as usize;
         lanes &= lanes - 1;
         let way = collide::way(block, l, next.place(l), next.velocity(l), next.age[l], rules);
-        match collide::fly(way, Some(l), rules, &out.obstacles, &shape, &mut out.hits) {
+        match collide::fly(way, Some(l), rules, &out.obstacles, &shape, &mut around, &mut out.hits) {
             collide::End::Flies(p, v) => next.put(l, p, v),
             collide::End::Sticks(p, v, slot) => {
                 next.put(l, p, v);
@@ -274,4 +271,5 @@ fn meet(
     }
 }
 
-const _: () = assert!(LANES <= 64 && limits::PARTICLE_OBSTACLES_MAX > 0);
+// Lanes are bits of a word.
+const _: () = assert!(LANES <= 64);

@@ -183,21 +183,21 @@ pub(crate) fn fly<'a>(
     rules: &Rules,
     obstacles: &[Obstacle],
     shape: &impl Fn(u32) -> &'a Shape,
+    around: &mut Around,
     hits: &mut Vec<Hit>,
 ) -> End {
-    let mut around = Around::new();
     let mut held: [Vec3; 2] = [Vec3::ZERO; 2];
     for round in 0..limits::PARTICLE_BOUNCES_MAX {
         // Later rounds go ways that nobody looked at before.
         let lane_of_round = if round == 0 { lane } else { None };
-        let Some((i, touch)) = first(&w, lane_of_round, obstacles, shape, &mut around) else {
+        let Some((i, touch)) = first(&w, lane_of_round, obstacles, shape, around) else {
             return End::Flies(w.to, w.v);
         };
         let o = &obstacles[i];
         w = at_touch(w, &touch, rules.dt);
         let speed = f32s::max(-touch.normal.dot(w.u - o.velocity_at(w.from)), 0.0);
         let rests = rests(&w, &touch, speed, rules);
-        let push = o.pushed;
+        let push = o.pushed && rules.desc.push;
         let told = rules.desc.hit_events && !(rests && touch.t == 0.0);
         if push || told {
             let lane = lane.map(|l| l as u8);

@@ -477,7 +477,7 @@ impl EmitterDesc {
             check((d.length() - 1.0).abs() < 1e-3, "emitter", "direction", d, "a unit vector")?;
         }
         range("inherit_velocity", self.inherit_velocity, -10.0, 10.0, "-10 to 10")?;
-        range("spread", self.spread, 0.0, 3.1416, "0 to π rad")?;
+        range("spread", self.spread, 0.0, core::f32::consts::PI, "0 to π rad")?;
         pair("speed", self.speed, 0.0, 1e4, "0 to 10000 m/s, lowest first")?;
         let rate = self.rate;
         let ok = (0.0..=limits::EMITTER_RATE_MAX).contains(&rate);
@@ -558,7 +558,9 @@ impl EmitterShape {
                 range("half_angle of the cone", *half_angle, 0.0, 1.570_797, "0 to π/2 rad")?;
                 size("radius of the cone", *radius, 0.0)
             }
-            Self::Box { half } => half.to_array().into_iter().try_for_each(|v| size("half of the box", v, 0.0)),
+            Self::Box { half } => {
+                half.to_array().into_iter().try_for_each(|v| size("half of the box", v, 0.0))
+            }
         }
     }
 }
@@ -570,7 +572,13 @@ impl ParticleSpawn {
         let ok = v.is_finite() && v.abs().max_component() <= limits::SPEED_MAX;
         check(ok, "emitter", "velocity of a particle", v, "finite, at most 1e5 m/s")?;
         range("lifetime_s of a particle", self.lifetime_s, 1e-3, 1e6, "0.001 to 1e6 s")?;
-        range("mass of a particle", self.mass, limits::MASS_MIN, limits::PARTICLE_MASS_MAX, "1e-12 to 1e6 kg")?;
+        range(
+            "mass of a particle",
+            self.mass,
+            limits::MASS_MIN,
+            limits::PARTICLE_MASS_MAX,
+            "1e-12 to 1e6 kg",
+        )?;
         range("radius of a particle", self.radius, 1e-6, 1e3, "1e-6 to 1000 m")
     }
 }

@@ -92,7 +92,10 @@ impl World {
         let slot = self.emitter_slot(id)?;
         spawns.iter().try_for_each(ParticleSpawn::check)?;
         if spawns.len() > self.particle_room(slot) {
-            return Err(Error::Limit { what: "particles", limit: self.particles.emitters[slot].desc.max_particles });
+            return Err(Error::Limit {
+                what: "particles",
+                limit: self.particles.emitters[slot].desc.max_particles,
+            });
         }
         for s in spawns {
             let e = &mut self.particles.emitters[slot];

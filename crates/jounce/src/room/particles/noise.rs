@@ -78,10 +78,8 @@ impl Noise {
             let q = axes[i] * L::splat(self.per_size) + L::splat(self.rest[i]);
             x[i] = Axis::new(q, self.cell[i], FACTORS[i]);
         }
-        let seeds = self.seeds.map(
-            #[inline(always)]
-            |s| L::Bits::splat(s),
-        );
+        let [a, b, c] = self.seeds;
+        let seeds = [L::Bits::splat(a), L::Bits::splat(b), L::Bits::splat(c)];
         let (w0, w1) = (L::splat(self.weights[0]), L::splat(self.weights[1]));
         let mut u = Wide3::new(L::zero(), L::zero(), L::zero());
         for k in 0..2 {

@@ -137,7 +137,7 @@ impl Obstacle {
     fn may_meet(&self, lo: Vec3, hi: Vec3) -> bool {
         let Some((n, offset)) = self.plane else { return self.meets(lo, hi) };
         let (center, half) = ((lo + hi) * 0.5, (hi - lo) * 0.5);
-        n.dot(center) - half.dot(n.abs()) <= offset + 1e-5 * (half.max_component() + center.abs().max_component())
+        n.dot(center) - half.dot(n.abs())
+            <= offset + 1e-5 * (half.max_component() + center.abs().max_component())
     }
 }
-

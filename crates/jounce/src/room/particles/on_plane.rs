@@ -39,7 +39,8 @@ pub(crate) fn run(
         return 0;
     }
     let Some((normal, offset)) = obstacles[k].plane else { return 0 };
-    let mut bounce = OnPlane { block, next, rules, normal, offset, lanes, p: [[0.0; LANES]; 3], v: [[0.0; LANES]; 3] };
+    let mut bounce =
+        OnPlane { block, next, rules, normal, offset, lanes, p: [[0.0; LANES]; 3], v: [[0.0; LANES]; 3] };
     let (p, v) = dispatch(width, &mut bounce);
     // Where a way went off to others, the long path looks at it from the start.
     let free = others.fold(lanes, |l, o| l & !dispatch(width, Reaches { block, p: &p, rules, o, lanes: l }));

@@ -44,7 +44,11 @@ fn bounce(restitution: f32, friction: f32) -> ParticleCollision {
 /// A flash, a fire ball, sparks and a cloud of smoke that rises from it. All burst once; every emitter removes itself.
 pub fn explosion(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     let v = fall_speed(scale);
-    let once = |name| EmitterDesc { auto_remove: true, direction: EmitDirection::Outward, ..base(position, seed, name) };
+    let once = |name| EmitterDesc {
+        auto_remove: true,
+        direction: EmitDirection::Outward,
+        ..base(position, seed, name)
+    };
     let flash = EmitterDesc {
         bursts: vec![Burst { time_s: 0.0, count: 12 }],
         shape: ball(0.2 * scale),
@@ -159,7 +163,10 @@ pub fn spray(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     let v = fall_speed(scale) * 1.075;
     vec![EmitterDesc {
         rate: 800.0,
-        pose: jounce_math::WorldPose::new(position, Quat::from_axis_angle(Vec3::Z, -core::f32::consts::FRAC_PI_3)),
+        pose: jounce_math::WorldPose::new(
+            position,
+            Quat::from_axis_angle(Vec3::Z, -core::f32::consts::FRAC_PI_3),
+        ),
         shape: EmitterShape::Cone { half_angle: 0.12, radius: 0.004 * scale },
         speed: [0.9 * v, 1.1 * v],
         lifetime_s: [1.5, 2.5],

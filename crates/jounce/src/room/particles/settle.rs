@@ -4,6 +4,7 @@
 //! 1/m_e = 1/m + 1/M + (I⁻¹(r × n) × r)·n, so a thousand grains in one step cannot push a body faster than they fly, and the
 //! momentum that a particle loses is what the body gains.
 
+use super::ball::Around;
 use super::collide::{self, Hit, Obstacle, bounced, fly, onward};
 use super::desc::HitResponse;
 use super::prepare::Rules;
@@ -18,11 +19,17 @@ use crate::world::World;
 use jounce_math::{DVec3, Vec3};
 
 /// Settles what an emitter's particles did to others, and counts them.
-pub(crate) fn emitter(world: &mut World, particles: &mut Particles, scratch: &Scratch, slot: u32) {
+/// `told`: hits that were reported in this step so far.
+pub(crate) fn emitter(
+    world: &mut World,
+    particles: &mut Particles,
+    scratch: &Scratch,
+    slot: u32,
+    told: &mut usize,
+) {
     let generation = particles.emitters[slot].generation;
     let id = EmitterId { index: slot, generation };
     let mut crowded = false;
-    let mut told = world.events.iter().filter(|e| matches!(e, Event::ParticleHit { .. })).count();
     for k in 0..particles.emitters[slot].blocks.len() {
         let i = particles.emitters[slot].blocks[k] as usize;
         let Some(out) = scratch.outs.get(i) else { continue };
@@ -32,8 +39,8 @@ pub(crate) fn emitter(world: &mut World, particles: &mut Particles, scratch: &Sc
         let Some(rules) = &step.rules else { continue };
         for h in &out.hits {
             let Some(o) = out.obstacles.get(h.obstacle as usize) else { continue };
-            if h.told && told < limits::PARTICLE_HIT_EVENTS_MAX {
-                told += 1;
+            if h.told && *told < limits::PARTICLE_HIT_EVENTS_MAX {
+                *told += 1;
                 let point = step.origin + (h.way.from - h.normal * h.way.radius).as_dvec3();
                 let shape = world.shape_id(o.slot);
                 let (normal, speed) = (h.normal, h.speed);
@@ -94,10 +101,9 @@ fn push(
     }
     let way = onward(h.way, u, h.normal, rests, rules.dt);
     let mut rules = *rules;
-    rules.desc.hit_events = false;
+    (rules.desc.hit_events, rules.desc.push) = (false, false);
     let shape = |slot: u32| &world.shapes[slot].shape;
-    let mut others = Vec::new();
-    match fly(way, None, &rules, obstacles, &shape, &mut others) {
+    match fly(way, None, &rules, obstacles, &shape, &mut Around::new(), &mut Vec::new()) {
         collide::End::Flies(p, v) => Some((p, v)),
         _ => Some((h.way.from, u)),
     }

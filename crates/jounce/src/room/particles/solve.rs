@@ -24,7 +24,7 @@ use jounce_lanes::{Bits, Kernel, Lanes, Mask};
 use jounce_math::Vec3;
 
 /// Memory that is reused from step to step and is not state.
-#[derive(Clone, Default)]
+#[derive(Default)]
 pub(crate) struct Scratch {
     /// By emitter slot.
     pub steps: Vec<Option<EmitterStep>>,
@@ -32,6 +32,13 @@ pub(crate) struct Scratch {
     pub bursts: Vec<(f64, u32)>,
     /// By block.
     pub outs: Vec<Out>,
+}
+
+impl Clone for Scratch {
+    /// Memory, not state: a clone starts without.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl core::fmt::Debug for Scratch {
@@ -104,8 +111,12 @@ pub(crate) struct Medium {
 }
 
 impl Medium {
-    pub const NONE: Self =
-        Self { acceleration: [[0.0; LANES]; 3], flow: [[0.0; LANES]; 3], density: [0.0; LANES], viscosity: [0.0; LANES] };
+    pub const NONE: Self = Self {
+        acceleration: [[0.0; LANES]; 3],
+        flow: [[0.0; LANES]; 3],
+        density: [0.0; LANES],
+        viscosity: [0.0; LANES],
+    };
 
     /// Weight of the displaced liquid: a = −g ρV/m.
     pub fn set(&mut self, l: usize, s: &Sample, weight: Vec3, radius: f32, mass: f32) {

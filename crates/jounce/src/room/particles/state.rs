@@ -44,9 +44,6 @@ pub(crate) struct Block {
     pub first_birth: usize,
 }
 
-/// Bytes of a particle in its block.
-pub(crate) const PARTICLE_BYTES: usize = 13 * 4;
-
 impl Default for Block {
     fn default() -> Self {
         let zero = [0.0; LANES];
@@ -175,7 +172,7 @@ pub(crate) struct Emitter {
     pub clock: u64,
     /// Particles born so far, those left out for want of room included.
     pub serial: u64,
-    /// Particles that were taken out because their numbers went bad or left the world.
+    /// Particles that were taken out because their numbers went bad.
     pub lost: u64,
     /// No more births by time.
     pub finished: bool,

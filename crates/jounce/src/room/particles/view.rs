@@ -81,9 +81,10 @@ impl World {
     }
     /// All particles: emitter by emitter, the oldest first.
     pub fn particles(&self) -> impl Iterator<Item = ParticleView> + '_ {
-        self.particles.emitters.iter().flat_map(|(i, emitter)| {
-            EmitterRef { world: self, emitter, id: self.emitter_id(i) }.particles()
-        })
+        self.particles
+            .emitters
+            .iter()
+            .flat_map(|(i, emitter)| EmitterRef { world: self, emitter, id: self.emitter_id(i) }.particles())
     }
     pub(crate) fn emitter_id(&self, index: u32) -> EmitterId {
         EmitterId { index, generation: self.particles.emitters.generation(index) }
@@ -117,7 +118,7 @@ impl<'a> EmitterRef<'a> {
     pub fn born(&self) -> u64 {
         self.emitter.serial
     }
-    /// Particles that were taken out because their numbers went bad or left the world's bounds.
+    /// Particles that were taken out because their numbers went bad.
     pub fn lost(&self) -> u64 {
         self.emitter.lost
     }
