@@ -8,6 +8,7 @@ pub(crate) mod forces;
 pub(crate) mod guard;
 pub(crate) mod islands;
 pub(crate) mod narrowphase;
+pub(crate) mod particles;
 pub(crate) mod prepare;
 pub(crate) mod publish;
 pub(crate) mod restitution;
