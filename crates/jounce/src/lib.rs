@@ -56,6 +56,7 @@ pub use room::fields::desc::{
     AIR_DENSITY, AIR_VISCOSITY, Aero, Explosion, FieldDesc, FieldLaw, Gust, Region, WATER_DENSITY,
     WATER_VISCOSITY,
 };
+pub use room::fields::point::FieldSample;
 pub use room::fields::state::{FieldHook, FieldView};
 pub use room::particles::desc::{
     Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Gradient, Heat, HitResponse, ParticleCollision,
