@@ -13,6 +13,7 @@ mod plot;
 mod render;
 mod run;
 mod showcase;
+mod solve;
 pub mod verify;
 
 use args::{Args, Command};
@@ -39,6 +40,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Check(a)) => check::check(&a),
         Some(Command::Verify(a)) => verify::verify(&a),
         Some(Command::Bench(a)) => bench::bench(&a),
+        Some(Command::Solve(a)) => solve::solve(&a),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

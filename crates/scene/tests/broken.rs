@@ -40,6 +40,8 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
     ("unknown_probe_value", 6, "probes.height.value", "(did you mean `position.y`?)"),
     ("copies_without_aggregate", 5, "probes.height.body", "names 3 bodies"),
     ("expect_without_probe", 5, "expect[0].probe", "there is no probe \"height\""),
+    ("trail_of_nobody", 6, "render.trails.bodies[1]", "(did you mean `ball`?)"),
+    ("trail_without_time", 7, "render.trails.seconds", "is 0; expected more than 0"),
     ("push_nobody", 6, "timeline[1].push.body", "there is no body \"box\""),
     ("two_actions", 5, "timeline[0]", "the entry has 2 actions"),
     ("bad_color", 10, "bodies[1].color", "is \"reddish\"; expected a colour"),

@@ -34,6 +34,11 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             search(shared, shape, list);
         }
     });
+    // Which unit meets the next peak is chance: all lists keep room for twice the longest.
+    let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
+    for list in &mut lists {
+        list.reserve((2 * longest).saturating_sub(list.len()));
+    }
     let mut keys = core::mem::take(&mut world.scratch.keys);
     keys.clear();
     for list in &lists[..units] {

@@ -1,7 +1,8 @@
 //! Restitution, after the last substep: passes over the rows that bounce until their rebound speeds hold together.
 //!
 //! The points of a face that lands flat depend on one another; one pass would leave it spinning, and with more energy than it
-//! came with. Newton's law at every point at once, λ ≥ 0, v_n ≥ e V, is what the passes converge to. Between walls that push
+//! came with. First all points that will bounce come to rest (compression); then Newton's law at every point at once,
+//! λ ≥ 0, v_n ≥ e V, is what the passes converge to, with no more impulse than e times that of the compression (Poisson). Between walls that push
 //! from opposite sides there is no such velocity, and impulses would grow from pass to pass: what is squeezed does not bounce.
 
 use super::{Step, substep};
@@ -21,9 +22,19 @@ pub(super) fn run(world: &mut World, step: &Step) {
         return;
     }
     hold_squeezed(world);
+    passes(world, step, Pass::Compress);
+    for block in world.scratch.blocks.iter_mut().flatten().filter(|b| b.any_rebound) {
+        for l in 0..block.rows {
+            block.compression[l] = compression(block, l);
+        }
+    }
+    passes(world, step, Pass::Restitution);
+}
+
+fn passes(world: &mut World, step: &Step, pass: Pass) {
     let (mut change, mut passes) = (f32::MAX, 0);
     while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
-        substep::sweep(world, Pass::Restitution, step);
+        substep::sweep(world, pass, step);
         let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
         change = all.flat_map(|b| b.rebound_change).fold(0.0, f32s::max);
         passes += 1;
@@ -37,7 +48,14 @@ fn points(b: &Block) -> usize {
 /// Does some point of the block have speed to give back, and was it pushed?
 fn bounces(b: &Block) -> bool {
     b.any_rebound
-        && b.points[..points(b)].iter().any(|p| p.rebound.iter().zip(&p.total).any(|(r, t)| *r > 0.0 && *t > 0.0))
+        && b.points[..points(b)]
+            .iter()
+            .any(|p| p.rebound.iter().zip(&p.total).any(|(r, t)| *r > 0.0 && *t > 0.0))
+}
+
+/// Impulse that a row's points gave over the step.
+fn compression(b: &Block, l: usize) -> f32 {
+    b.points[..points(b)].iter().map(|p| p.total[l]).sum()
 }
 
 /// Takes the rebound from rows of bodies that are pushed from opposite sides.
@@ -49,7 +67,7 @@ fn hold_squeezed(world: &mut World) {
     for (color, list) in blocks.iter().enumerate() {
         for (i, row) in world.scratch.colors.rows(color).iter().enumerate() {
             let (b, l) = (&list[i / LANES], i % LANES);
-            let total: f32 = b.points[..points(b)].iter().map(|p| p.total[l]).sum();
+            let total = compression(b, l);
             let n = b.normal.get(l);
             for (item, sign) in [(row.a(), -1.0), (row.b(), 1.0)] {
                 if let Some(p) = pushed.get_mut(item as usize) {
