@@ -107,7 +107,13 @@ impl Around {
             // What is left of the step after a bounce is about as long as what was before.
             let bounds = near.expanded(0.5 * motion.abs().max_component());
             self.count = 0;
+            let (center, half) = (bounds.center(), bounds.half() * 1.001);
             overlapping(shape, &bounds, |t| {
+                // Boxes of triangles are larger than triangles: most that were found pass by.
+                let n = (t[1] - t[0]).cross(t[2] - t[0]);
+                if n.dot(center - t[0]).abs() > n.abs().dot(half) {
+                    return;
+                }
                 if self.count < AROUND {
                     self.triangles[self.count] = *t;
                 }

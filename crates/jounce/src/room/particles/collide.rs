@@ -197,7 +197,11 @@ pub(crate) fn fly<'a>(
         w = at_touch(w, &touch, rules.dt);
         let speed = f32s::max(-touch.normal.dot(w.u - o.velocity_at(w.from)), 0.0);
         let rests = rests(&w, &touch, speed, rules);
-        let push = o.pushed && rules.desc.push;
+        if o.pushed && !rules.desc.push {
+            // Settled already: what would come back to it waits for the next step, so that no momentum is lost.
+            return End::Flies(o.carry(w.from, w.s), w.u);
+        }
+        let push = o.pushed;
         let told = rules.desc.hit_events && !(rests && touch.t == 0.0);
         if push || told {
             let lane = lane.map(|l| l as u8);
