@@ -1,6 +1,6 @@
 //! What every change must pass, after the README's own test command.
 
-use crate::{Note, Outcome, Part, cargo, files, program, root, run};
+use crate::{Note, Outcome, Part, book, cargo, files, program, root, run};
 use std::process::Stdio;
 
 /// Everything `cargo xtask ci` runs.
@@ -14,6 +14,7 @@ pub const PARTS: &[Part] = &[
     ("scenes", program::scenes),
     ("showcase", program::showcase),
     ("verify", program::verify),
+    ("book", book::book),
 ];
 
 /// Whether this cargo has the subcommand: components of the toolchain can be absent.
@@ -36,6 +37,7 @@ fn fmt() -> Outcome {
         let manifest = peer.path().join("Cargo.toml");
         run(cargo(&["fmt", "--check", "--manifest-path"]).arg(manifest))?;
     }
+    run(&mut cargo(&["fmt", "--check", "--manifest-path", "docs/book/builder/Cargo.toml"]))?;
     Ok(Note::Passed(String::new()))
 }
 

@@ -1,5 +1,6 @@
-//! The project's own chores: `cargo xtask ci`, `cargo xtask prove`.
+//! The project's own chores: `cargo xtask ci`, `cargo xtask prove`, `cargo xtask book`.
 
+mod book;
 mod ci;
 mod files;
 mod program;
@@ -11,9 +12,10 @@ use std::time::Instant;
 
 const USAGE: &str = "usage: cargo xtask ci [PART…]     what every change must pass, or only some parts of it
        cargo xtask prove [PART…]  the long runs: full counts, debug and release
+       cargo xtask book           the course book: docs/book becomes target/book
        cargo xtask files          sizes and texts of the tracked files
 
-parts of ci: files fmt clippy own doctest doc scenes showcase verify
+parts of ci: files fmt clippy own doctest doc scenes showcase verify book
 parts of prove: checked release steps hashes laws";
 
 /// What a part of a run came to; `Err` says what failed.
@@ -36,6 +38,7 @@ fn main() -> ExitCode {
     let result = match words.first().map(String::as_str) {
         Some("ci") => named(ci::PARTS, rest).and_then(|parts| run_parts(&parts)),
         Some("prove") => named(prove::PARTS, rest).and_then(|parts| run_parts(&parts)),
+        Some("book") if rest.is_empty() => run_parts(&[("book", book::book)]),
         Some("files") if rest.is_empty() => run_parts(&[("files", files::check)]),
         _ => Err(USAGE.to_string()),
     };

@@ -26,13 +26,15 @@ pub fn build(profile: &str) -> Result<PathBuf, String> {
     Ok(target.join(folder).join(format!("jounce{}", std::env::consts::EXE_SUFFIX)))
 }
 
-fn start(program: &Path, words: &[&str]) -> Result<(Output, Duration), String> {
+/// Runs a program in the root of the checkout and waits for its output.
+pub fn start(program: &Path, words: &[&str]) -> Result<(Output, Duration), String> {
     let start = Instant::now();
     let output = Command::new(program).args(words).current_dir(root()).output();
-    Ok((output.map_err(|e| format!("jounce {}: {e}", words.join(" ")))?, start.elapsed()))
+    Ok((output.map_err(|e| format!("{} {}: {e}", program.display(), words.join(" ")))?, start.elapsed()))
 }
 
-fn last_line(bytes: &[u8]) -> String {
+/// The last line that is not blank.
+pub fn last_line(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).lines().rfind(|l| !l.trim().is_empty()).unwrap_or("").trim().to_string()
 }
 

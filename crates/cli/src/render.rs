@@ -5,12 +5,12 @@ use crate::error::{Done, Failure};
 use crate::output::{note, progress};
 use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce::math::{DVec3, Quat, Vec3};
-use jounce::{BodyKind, ShapeId, World};
+use jounce::{BodyKind, ParticleView, ShapeId, World};
 use jounce_render::{
-    Camera, Extras, Film, Image, Look, Overlay, Pattern, RenderOptions, Skin, Stage, Trails, contact_overlay,
+    Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails, contact_overlay,
     default_skin, render_with, sensor_overlay, srgb, write_whole,
 };
-use jounce_scene::{Scene, Simulation};
+use jounce_scene::{Scene, Simulation, System};
 use std::path::Path;
 
 pub fn render(a: &RenderArgs) -> Done {
@@ -113,8 +113,52 @@ pub struct Painter<'a> {
     /// Where the followed body was at the start.
     followed: DVec3,
     trails: Option<Trails>,
+    /// Behind the points of systems that ask for it, with the system's number.
+    tails: Vec<(Trails, usize)>,
     pub caption: bool,
     pub contacts: bool,
+}
+
+/// A particle as it is drawn: what is brighter than white glows, what is large and let light through is soft.
+fn grain(p: &ParticleView) -> Ball {
+    let [r, g, b, opacity] = p.color;
+    let bright = [r, g, b].into_iter().fold(0.0f32, |m, c| if c > m { c } else { m });
+    let scale = if bright > 1.0 { 1.0 / bright } else { 1.0 };
+    let glow = ((bright - 1.0) / 3.0).clamp(0.0, 1.0);
+    let ball = Ball::new(p.position, p.drawn_radius, [r, g, b].map(|c| encoded(c * scale)))
+        .opacity(opacity.clamp(0.0, 1.0))
+        .glow(glow);
+    if p.drawn_radius > 0.02 { ball.soft() } else { ball }
+}
+
+/// Linear light as sRGB.
+fn encoded(c: f32) -> f32 {
+    if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// Points as balls, springs as rods, skins with smooth shading.
+fn add_system(s: &System, extras: &mut Extras) {
+    let (x, radius, color) = (s.positions(), s.radius(), s.color());
+    if s.triangles().is_empty() {
+        extras.balls.extend(x.iter().map(|p| Ball::new(*p, radius, color)));
+    }
+    for e in s.springs() {
+        let [a, b] = e.map(|i| x[i as usize]);
+        extras.rods.push(Rod::new(a, b, 0.4 * radius, color));
+    }
+    let mut normals = vec![DVec3::ZERO; x.len()];
+    for t in s.triangles() {
+        let [a, b, c] = t.map(|i| i as usize);
+        let n = (x[b] - x[a]).cross(x[c] - x[a]);
+        for i in [a, b, c] {
+            normals[i] += n;
+        }
+    }
+    for t in s.triangles() {
+        let [a, b, c] = t.map(|i| i as usize);
+        let smooth = [a, b, c].map(|i| normals[i].as_vec3().normalize_or(Vec3::Y));
+        extras.faces.push(Face::new(x[a], x[b], x[c], color).normals(smooth));
+    }
 }
 
 /// Width of trails where the scene gives none, as a part of the camera's distance from its target.
@@ -152,7 +196,10 @@ impl<'a> Painter<'a> {
         let width = ((camera.target - camera.position).length() * TRAIL_WIDTH) as f32;
         let trails = trails.map(|t| Trails::new(t.seconds, t.width.unwrap_or(width)));
         let followed = DVec3::ZERO;
-        let mut painter = Self { scene, options, camera, followed, trails, caption: false, contacts: false };
+        let tails = simulation.systems().iter().enumerate();
+        let tails =
+            tails.filter_map(|(i, s)| Some((Trails::new(Some(s.trail_s()?), s.radius() * 0.5), i))).collect();
+        let mut painter = Self { scene, options, camera, followed, trails, tails, caption: false, contacts: false };
         painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);
         painter.watch(simulation);
         painter
@@ -160,6 +207,13 @@ impl<'a> Painter<'a> {
 
     /// To be called after every step: remembers what pictures show of the past.
     pub fn watch(&mut self, simulation: &Simulation) {
+        let time = simulation.world().time();
+        for (n, (trails, system)) in self.tails.iter_mut().enumerate() {
+            let Some(s) = simulation.systems().get(*system) else { continue };
+            for (i, p) in s.positions().iter().enumerate() {
+                trails.record(((n as u64) << 32) | i as u64, time, *p, s.color());
+            }
+        }
         let spec = self.scene.spec().render.as_ref().and_then(|r| r.trails.as_ref());
         let (Some(trails), Some(spec)) = (&mut self.trails, spec) else { return };
         let world = simulation.world();
@@ -175,6 +229,11 @@ impl<'a> Painter<'a> {
         if let Some(trails) = &self.trails {
             trails.add_to(simulation.world().time(), &mut extras);
         }
+        for (trails, _) in &self.tails {
+            trails.add_to(simulation.world().time(), &mut extras);
+        }
+        extras.balls.extend(simulation.world().particles().map(|p| grain(&p)));
+        simulation.systems().iter().for_each(|s| add_system(s, &mut extras));
         extras
     }
 

@@ -56,6 +56,7 @@ pub use room::fields::desc::{
     AIR_DENSITY, AIR_VISCOSITY, Aero, Explosion, FieldDesc, FieldLaw, Gust, Region, WATER_DENSITY,
     WATER_VISCOSITY,
 };
+pub use room::fields::point::FieldSample;
 pub use room::fields::state::{FieldHook, FieldView};
 pub use room::particles::desc::{
     Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Gradient, Heat, HitResponse, ParticleCollision,
@@ -90,3 +91,16 @@ pub mod prelude {
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]
 struct Readme;
+
+/// The chapters of the course book that use the engine; the others are in `jounce_motion`.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../../../docs/book/src/euler.md")]
+    struct Euler;
+    #[doc = include_str!("../../../docs/book/src/newton.md")]
+    struct Newton;
+    #[doc = include_str!("../../../docs/book/src/buoyancy.md")]
+    struct Buoyancy;
+    #[doc = include_str!("../../../docs/book/src/every.md")]
+    struct Every;
+}

@@ -24,3 +24,36 @@ pub mod particles;
 pub mod springs;
 
 pub use error::{Error, Result};
+
+/// The lines of Rust in the course book, `docs/book`. Chapters that use the engine are in `jounce`.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../../../docs/book/src/motion.md")]
+    struct Motion;
+    #[doc = include_str!("../../../docs/book/src/gravitation.md")]
+    struct Gravitation;
+    #[doc = include_str!("../../../docs/book/src/projectiles.md")]
+    struct Projectiles;
+    #[doc = include_str!("../../../docs/book/src/drag.md")]
+    struct Drag;
+    #[doc = include_str!("../../../docs/book/src/friction.md")]
+    struct Friction;
+    #[doc = include_str!("../../../docs/book/src/momentum.md")]
+    struct Momentum;
+    #[doc = include_str!("../../../docs/book/src/rotation.md")]
+    struct Rotation;
+    #[doc = include_str!("../../../docs/book/src/rigid.md")]
+    struct Rigid;
+    #[doc = include_str!("../../../docs/book/src/integrators.md")]
+    struct Integrators;
+    #[doc = include_str!("../../../docs/book/src/springs.md")]
+    struct Springs;
+    #[doc = include_str!("../../../docs/book/src/cloth.md")]
+    struct Cloth;
+    #[doc = include_str!("../../../docs/book/src/particles.md")]
+    struct Particles;
+    #[doc = include_str!("../../../docs/book/src/collisions.md")]
+    struct Collisions;
+    #[doc = include_str!("../../../docs/book/src/errata.md")]
+    struct Errata;
+}

@@ -7,6 +7,7 @@
 mod bodies;
 mod color;
 mod decompose;
+mod emitters;
 mod error;
 mod fields;
 mod json;
@@ -22,6 +23,7 @@ mod samples;
 mod shapes;
 mod simulation;
 pub mod spec;
+mod systems;
 
 pub use error::{Fault, SceneError};
 pub use json::{KeyPath, Position, Segment};
@@ -30,3 +32,4 @@ pub use mesh::MeshData;
 pub use report::{Expectation, Expected, Momentum, Report, StartEnd, StepMs};
 pub use samples::Samples;
 pub use simulation::Simulation;
+pub use systems::System;

@@ -12,6 +12,8 @@ pub const JSON_OBJECTS_MAX: usize = 1 << 17;
 pub const JSON_VALUES_MAX: usize = 1 << 24;
 /// Longest string in a scene file, bytes.
 pub const JSON_STRING_MAX: usize = 4096;
+/// Most points of all point-spring systems of one scene.
+pub const SYSTEM_POINTS_MAX: u64 = 1 << 16;
 /// Most bodies of one scene, copies and timed spawns included.
 pub const SCENE_BODIES_MAX: u64 = 1 << 19;
 /// Most shapes of one scene, copies and timed spawns included.

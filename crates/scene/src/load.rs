@@ -1,12 +1,14 @@
 //! A scene, read and checked.
 
 use crate::bodies::{Census, Group, Names, color, group, scatter};
+use crate::emitters::{Emitters, emitters};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::fields::{Field, fields};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
-use crate::plan::{Entry, Expect, Look, expects, probes, timeline};
+use crate::plan::{Sources, Entry, Expect, Look, expects, probes, timeline};
 use crate::read::read;
+use crate::systems::{System, systems};
 use crate::shapes::{Library, settings};
 use crate::spec::{SceneSpec, TrailsSpec};
 use jounce::math::Vec3;
@@ -36,6 +38,8 @@ pub struct Scene {
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
     pub(crate) fields: Vec<Field>,
+    pub(crate) emitters: Vec<Emitters>,
+    pub(crate) systems: Vec<System>,
     pub(crate) timeline: Vec<Entry>,
     pub(crate) probes: Vec<(String, Look)>,
     pub(crate) expects: Vec<Expect>,
@@ -148,12 +152,15 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
     }
     trial(&spec, &world, &groups)?;
     let fields = fields(&spec.fields, &names)?;
-    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names, &fields)?;
-    let probes = probes(&spec.probes, &names)?;
+    let emitters = emitters(&spec.emitters, &mut library, &names)?;
+    let systems = systems(&spec.systems, 1.0 / (world.rate_hz * f64::from(world.substeps)))?;
+    let sources = Sources { fields: &fields, emitters: &emitters, systems: &systems };
+    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names, &sources)?;
+    let probes = probes(&spec.probes, &names, &sources)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
     looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
-    Ok(Scene { name, world, groups, fields, timeline, probes, expects, spec })
+    Ok(Scene { name, world, groups, fields, emitters, systems, timeline, probes, expects, spec })
 }
 
 /// Puts every template into a world once: what the engine refuses (a body without mass, …) is told with its place.

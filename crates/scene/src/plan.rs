@@ -2,13 +2,75 @@
 
 use crate::bodies::{Census, Group, Names, Target, group};
 use crate::error::{Checked, Under, Wrong, closest};
+use crate::emitters::{Emitters, find as find_emitter};
 use crate::fields::{Field, explosion, find as find_field};
 use crate::limits;
 use crate::shapes::{Library, rotation, unknown};
+use crate::systems::System;
 use crate::spec::{AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec};
 use jounce::Explosion;
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
+
+/// What a scene holds beside bodies, for those who name it.
+#[derive(Clone, Copy)]
+pub(crate) struct Sources<'a> {
+    pub fields: &'a [Field],
+    pub emitters: &'a [Emitters],
+    pub systems: &'a [System],
+}
+
+/// Numbers that points and springs give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SystemValue {
+    Position(usize),
+    Velocity(usize),
+    Momentum(usize),
+    Speed,
+    Distance,
+    Radius,
+    Lowest,
+    KineticEnergy,
+    ElasticEnergy,
+    Energy,
+}
+
+const SYSTEM_VALUES: [(&str, SystemValue); 7] = [
+    ("speed", SystemValue::Speed),
+    ("distance", SystemValue::Distance),
+    ("radius", SystemValue::Radius),
+    ("lowest", SystemValue::Lowest),
+    ("kinetic_energy", SystemValue::KineticEnergy),
+    ("elastic_energy", SystemValue::ElasticEnergy),
+    ("energy", SystemValue::Energy),
+];
+
+const SYSTEM_AXIS_VALUES: [OfAxis<SystemValue>; 3] = [
+    ("position", SystemValue::Position),
+    ("velocity", SystemValue::Velocity),
+    ("momentum", SystemValue::Momentum),
+];
+
+/// Numbers that an emitter's particles give.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EmitterValue {
+    Center(usize),
+    Particles,
+    Born,
+    Highest,
+    Lowest,
+    Speed,
+}
+
+const EMITTER_VALUES: [(&str, EmitterValue); 5] = [
+    ("particles", EmitterValue::Particles),
+    ("born", EmitterValue::Born),
+    ("highest", EmitterValue::Highest),
+    ("lowest", EmitterValue::Lowest),
+    ("speed", EmitterValue::Speed),
+];
+
+const EMITTER_AXIS_VALUES: [OfAxis<EmitterValue>; 1] = [("center", EmitterValue::Center)];
 
 /// Numbers that one body gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,9 +139,11 @@ pub(crate) enum WorldValue {
     Shapes,
     Contacts,
     Touching,
+    Particles,
 }
 
-const WORLD_VALUES: [(&str, WorldValue); 8] = [
+const WORLD_VALUES: [(&str, WorldValue); 9] = [
+    ("particles", WorldValue::Particles),
     ("energy", WorldValue::Energy),
     ("kinetic_energy", WorldValue::KineticEnergy),
     ("potential_energy", WorldValue::PotentialEnergy),
@@ -125,17 +189,63 @@ pub(crate) enum Look {
     World(WorldValue),
     Sensor(Target),
     Events { kind: EventSpec, target: Option<Target> },
+    System { system: usize, point: Option<usize>, value: SystemValue },
+    Emitter { emitter: usize, value: EmitterValue },
 }
 
-pub(crate) fn probes(all: &Map<ProbeSpec>, names: &Names) -> Checked<Vec<(String, Look)>> {
+pub(crate) fn probes(all: &Map<ProbeSpec>, names: &Names, sources: &Sources<'_>) -> Checked<Vec<(String, Look)>> {
     let mut out = Vec::with_capacity(all.0.len());
     for (name, p) in &all.0 {
-        out.push((name.clone(), probe(p, names).key(name).key("probes")?));
+        out.push((name.clone(), probe(p, names, sources).key(name).key("probes")?));
     }
     Ok(out)
 }
 
-fn probe(p: &ProbeSpec, names: &Names) -> Checked<Look> {
+/// A probe of points and springs, or of particles.
+fn of_matter(p: &ProbeSpec, sources: &Sources<'_>) -> Checked<Look> {
+    for (key, given) in [
+        ("body", p.body.is_some()),
+        ("world", p.world.is_some()),
+        ("sensor", p.sensor.is_some()),
+        ("events", p.events.is_some()),
+        ("aggregate", p.aggregate.is_some()),
+    ] {
+        if given {
+            let expected = "value (and point) beside system; value beside emitter";
+            return Err(Wrong::new("is given beside `system` or `emitter`", expected).key(key));
+        }
+    }
+    let text = p.value.as_deref().unwrap_or("");
+    if let Some(name) = &p.emitter {
+        if p.system.is_some() || p.point.is_some() {
+            return Err(Wrong::new("is given beside `system` or `point`", "value only").key("emitter"));
+        }
+        let emitter = find_emitter(name, sources.emitters).key("emitter")?;
+        let value = value(text, &EMITTER_VALUES, &EMITTER_AXIS_VALUES).key("value")?;
+        return Ok(Look::Emitter { emitter, value });
+    }
+    let name = p.system.as_deref().unwrap_or("");
+    let known = sources.systems.iter().map(System::name);
+    let Some(system) = sources.systems.iter().position(|s| s.name() == name) else {
+        return Err(unknown("system", name, known).key("system"));
+    };
+    let value = value(text, &SYSTEM_VALUES, &SYSTEM_AXIS_VALUES).key("value")?;
+    let points = sources.systems[system].points();
+    if let Some(i) = p.point
+        && i >= points as u64
+    {
+        return Err(Wrong::new(format!("is {i}"), format!("less than {points}")).key("point"));
+    }
+    Ok(Look::System { system, point: p.point.map(|i| i as usize), value })
+}
+
+fn probe(p: &ProbeSpec, names: &Names, sources: &Sources<'_>) -> Checked<Look> {
+    if p.system.is_some() || p.emitter.is_some() {
+        return of_matter(p, sources);
+    }
+    if p.point.is_some() {
+        return Err(Wrong::new("is given without `system`", "point only beside system").key("point"));
+    }
     let target = p.body.as_deref().map(|b| names.resolve(b)).transpose().key("body")?;
     let ways = [p.value.is_some(), p.world.is_some(), p.sensor.is_some(), p.events.is_some()];
     if ways.iter().filter(|w| **w).count() != 1 {
@@ -255,6 +365,8 @@ pub(crate) enum Action {
     Enable(Target, bool),
     Explode(Explosion),
     SetField(usize, bool),
+    Emit(usize, u32),
+    SetEmitter(usize, bool),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -272,7 +384,7 @@ pub(crate) fn timeline(
     library: &mut Library,
     census: &mut Census,
     names: &mut Names,
-    fields: &[Field],
+    sources: &Sources<'_>,
 ) -> Checked<Vec<Entry>> {
     let mut spawned = Vec::with_capacity(all.len());
     let mut total = 0u64;
@@ -290,7 +402,7 @@ pub(crate) fn timeline(
     }
     let mut out = Vec::with_capacity(all.len());
     for (i, (t, spawned)) in all.iter().zip(spawned).enumerate() {
-        let action = action(t, spawned, names, fields).index(i).key("timeline")?;
+        let action = action(t, spawned, names, sources).index(i).key("timeline")?;
         out.push(Entry { at: t.at, every: t.every.unwrap_or(0.0), times: t.times.unwrap_or(1), action });
     }
     Ok(out)
@@ -327,7 +439,7 @@ fn spawn(
     Ok(groups)
 }
 
-fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, fields: &[Field]) -> Checked<Action> {
+fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Sources<'_>) -> Checked<Action> {
     let given = [
         ("spawn", t.spawn.is_some()),
         ("push", t.push.is_some()),
@@ -341,6 +453,8 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, fields: &[Field]
         ("enable", t.enable.is_some()),
         ("explode", t.explode.is_some()),
         ("set_field", t.set_field.is_some()),
+        ("emit", t.emit.is_some()),
+        ("set_emitter", t.set_emitter.is_some()),
     ];
     let n = given.iter().filter(|(_, there)| *there).count();
     if n != 1 {
@@ -396,7 +510,15 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, fields: &[Field]
         return explosion(e).map(Action::Explode).key("explode");
     }
     if let Some(f) = &t.set_field {
-        return Ok(Action::SetField(find_field(&f.field, fields).key("field").key("set_field")?, f.enabled));
+        return Ok(Action::SetField(find_field(&f.field, sources.fields).key("field").key("set_field")?, f.enabled));
+    }
+    if let Some(e) = &t.emit {
+        let n = find_emitter(&e.emitter, sources.emitters).key("emitter").key("emit")?;
+        return Ok(Action::Emit(n, e.count));
+    }
+    if let Some(e) = &t.set_emitter {
+        let n = find_emitter(&e.emitter, sources.emitters).key("emitter").key("set_emitter")?;
+        return Ok(Action::SetEmitter(n, e.enabled));
     }
     Ok(Action::Spawn(spawned))
 }

@@ -1,10 +1,11 @@
 //! Probes: numbers of a running world.
 
 use crate::bodies::{Group, Target};
-use crate::plan::{BodyValue, Look, WorldValue};
+use crate::plan::{BodyValue, EmitterValue, Look, WorldValue};
+use crate::systems::System;
 use crate::spec::{AggregateSpec, EventSpec};
 use jounce::math::{DVec3, Vec3, WorldPose};
-use jounce::{BodyId, ContactInfo, Event, ShapeId, World};
+use jounce::{BodyId, ContactInfo, EmitterId, Event, ShapeId, World};
 use std::collections::BTreeMap;
 
 /// What a scene knows of a body that the engine does not.
@@ -157,9 +158,41 @@ fn concerns(e: &Event, target: &Target, records: &Records, world: &World) -> boo
     }
 }
 
+/// What probes look at.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    pub world: &'a World,
+    pub records: &'a Records,
+    pub counts: &'a EventCounts,
+    pub systems: &'a [System],
+    /// Handles of each entry of `emitters`; those that removed themselves are stale.
+    pub emitters: &'a [Vec<EmitterId>],
+}
+
+fn of_particles(v: EmitterValue, world: &World, ids: &[EmitterId]) -> f64 {
+    let there = || ids.iter().filter_map(|id| world.emitter(*id).ok());
+    let all = || there().flat_map(|e| e.particles());
+    let count = || there().map(|e| e.len()).sum::<usize>() as f64;
+    match v {
+        EmitterValue::Particles => count(),
+        EmitterValue::Born => there().map(|e| e.born()).sum::<u64>() as f64,
+        EmitterValue::Center(k) => all().map(|p| p.position.to_array()[k]).sum::<f64>() / count(),
+        EmitterValue::Speed => all().map(|p| f64::from(p.velocity.length())).sum::<f64>() / count(),
+        EmitterValue::Highest => fold(all().map(|p| p.position.y), Some(AggregateSpec::Max)),
+        EmitterValue::Lowest => fold(all().map(|p| p.position.y), Some(AggregateSpec::Min)),
+    }
+}
+
 /// The number that probe `n` shows now; NaN where its body is not there.
-pub(crate) fn evaluate(look: &Look, n: usize, world: &World, records: &Records, counts: &EventCounts) -> f64 {
+pub(crate) fn evaluate(look: &Look, n: usize, seen: &Seen<'_>) -> f64 {
+    let Seen { world, records, counts, systems, emitters } = *seen;
     match look {
+        Look::System { system, point, value } => {
+            systems.get(*system).map_or(f64::NAN, |s| s.value(*value, *point))
+        }
+        Look::Emitter { emitter, value } => {
+            of_particles(*value, world, emitters.get(*emitter).map_or(&[], Vec::as_slice))
+        }
         Look::World(v) => of_world(*v, world),
         Look::Events { .. } => counts.counts.get(n).map_or(f64::NAN, |c| *c as f64),
         Look::Sensor(target) => records.of(target).iter().map(|b| visitors(world, *b)).sum::<usize>() as f64,
@@ -212,6 +245,7 @@ fn of_world(v: WorldValue, world: &World) -> f64 {
         WorldValue::Awake => world.counts().awake as f64,
         WorldValue::Shapes => world.counts().shapes as f64,
         WorldValue::Contacts => world.counts().contacts as f64,
+        WorldValue::Particles => world.counts().particles as f64,
         WorldValue::Touching => world.counts().touching as f64,
     }
 }

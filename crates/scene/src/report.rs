@@ -125,7 +125,7 @@ impl Report {
             seconds_simulated: world.time(),
             bodies: counts.bodies,
             joints: 0,
-            particles: 0,
+            particles: counts.particles,
             contacts: counts.touching,
             awake: counts.awake,
             step_ms: times.summary(),

@@ -239,6 +239,11 @@ impl Library {
         }
     }
 
+    /// A named mesh.
+    pub(crate) fn tri_mesh(&mut self, name: &str) -> Checked<Arc<TriMesh>> {
+        self.mesh(&MeshSpec { mesh: Some(name.into()), ..MeshSpec::default() })
+    }
+
     fn mesh(&mut self, m: &MeshSpec) -> Checked<Arc<TriMesh>> {
         match (&m.mesh, &m.vertices, &m.triangles) {
             (Some(name), None, None) => {

@@ -5,12 +5,13 @@ use crate::bodies::{Group, Target};
 use crate::error::SceneError;
 use crate::load::Scene;
 use crate::plan::{Action, Look, Push, step_at};
-use crate::probe::{EventCounts, Records, evaluate};
+use crate::probe::{Seen, EventCounts, Records, evaluate};
 use crate::report::{Judge, Report, StepTimes};
 use crate::samples::Samples;
+use crate::systems::System;
 use jounce::math::{Quat, Vec3, WorldPose};
 use jounce::tasks::Tasks;
-use jounce::{BodyId, Command, FieldDesc, FieldId, FieldLaw, World};
+use jounce::{BodyId, Command, EmitterId, FieldDesc, FieldId, FieldLaw, StateHasher, World};
 use std::time::Instant;
 
 /// A running scene.
@@ -35,6 +36,9 @@ pub struct Simulation {
     records: Records,
     counts: EventCounts,
     fields: Vec<FieldId>,
+    /// Of each entry of `emitters`.
+    emitters: Vec<Vec<EmitterId>>,
+    systems: Vec<System>,
     /// Timed actions by step, entry and occurrence, in the order they act.
     due: Vec<Due>,
     next: usize,
@@ -80,6 +84,8 @@ impl Simulation {
             records: Records::default(),
             counts: EventCounts::new(&scene.probes),
             fields: Vec::new(),
+            emitters: Vec::new(),
+            systems: scene.systems.clone(),
             due: due(scene),
             next: 0,
             active: Vec::new(),
@@ -101,6 +107,7 @@ impl Simulation {
         s.scene.groups = groups;
         spawned?;
         s.add_fields()?;
+        s.add_emitters()?;
         s.start_energy = s.world.energy().total();
         s.sample();
         Ok(s)
@@ -124,6 +131,9 @@ impl Simulation {
         let stepped = self.world.step();
         self.times.add(start.elapsed().as_secs_f64() * 1e3);
         stepped.map_err(|e| self.refused(&e))?;
+        for s in &mut self.systems {
+            s.advance(&self.world);
+        }
         self.counts.add(&self.scene.probes, &self.records, &self.world, 0);
         self.sample();
         Ok(())
@@ -164,6 +174,11 @@ impl Simulation {
         self.records.by_text(name)
     }
 
+    /// Systems of points and springs.
+    pub fn systems(&self) -> &[System] {
+        &self.systems
+    }
+
     /// Probes are kept of every n-th step from now on (expectations still see every step). Default 1.
     pub fn sample_every(&mut self, steps: u64) {
         self.samples.keep_every(steps);
@@ -177,7 +192,14 @@ impl Simulation {
 
     /// The report of the run so far.
     pub fn finish(&self) -> Report {
-        Report::new(&self.scene, &self.world, &self.times, self.start_energy, &self.judges)
+        let mut report = Report::new(&self.scene, &self.world, &self.times, self.start_energy, &self.judges);
+        if !self.systems.is_empty() {
+            let mut h = StateHasher::default();
+            h.word(self.world.hash());
+            self.systems.iter().for_each(|s| s.hash(&mut h));
+            report.hash = format!("{:#018x}", h.finish());
+        }
+        report
     }
 
     fn refused(&self, e: &jounce::Error) -> SceneError {
@@ -257,6 +279,14 @@ impl Simulation {
             Action::Sleep(target) => self.each(target, Command::Sleep),
             Action::Enable(target, on) => self.each(target, |b| Command::SetBodyEnabled(b, *on)),
             Action::Explode(e) => self.apply(Command::Explode(*e)),
+            Action::Emit(n, count) => self
+                .emitters_of(*n)
+                .into_iter()
+                .try_for_each(|e| self.apply(Command::EmitBurst(e, *count))),
+            Action::SetEmitter(n, on) => self
+                .emitters_of(*n)
+                .into_iter()
+                .try_for_each(|e| self.apply(Command::SetEmitterEnabled(e, *on))),
             Action::SetField(n, on) => {
                 let Some(&id) = self.fields.get(*n) else { return Ok(()) };
                 let mut desc = self.world.field(id).map_err(|e| self.refused(&e))?.clone();
@@ -264,6 +294,27 @@ impl Simulation {
                 self.apply(Command::SetField(id, Box::new(desc)))
             }
         }
+    }
+
+    /// Adds the scene's emitters, in the order of the file.
+    fn add_emitters(&mut self) -> Result<(), SceneError> {
+        for n in 0..self.scene.emitters.len() {
+            let entry = self.scene.emitters[n].clone();
+            let body = entry.body.as_ref().and_then(|t| self.records.of(t).first().copied());
+            let mut ids = Vec::with_capacity(entry.descs.len());
+            for mut desc in entry.descs {
+                desc.body = body;
+                ids.push(self.world.add_emitter(desc).map_err(|e| self.refused(&e))?);
+            }
+            self.emitters.push(ids);
+        }
+        Ok(())
+    }
+
+    /// Handles of an entry of `emitters` that are still there: some remove themselves when they have ended.
+    fn emitters_of(&self, n: usize) -> Vec<EmitterId> {
+        let all = self.emitters.get(n).map_or(&[][..], Vec::as_slice);
+        all.iter().copied().filter(|e| self.world.emitter(*e).is_ok()).collect()
     }
 
     /// Adds the scene's fields, in the order of the file.
@@ -349,9 +400,14 @@ impl Simulation {
     }
 
     fn sample(&mut self) {
-        let look = |(n, (_, look)): (usize, &(String, Look))| {
-            evaluate(look, n, &self.world, &self.records, &self.counts)
+        let seen = Seen {
+            world: &self.world,
+            records: &self.records,
+            counts: &self.counts,
+            systems: &self.systems,
+            emitters: &self.emitters,
         };
+        let look = |(n, (_, look)): (usize, &(String, Look))| evaluate(look, n, &seen);
         self.values = self.scene.probes.iter().enumerate().map(look).collect();
         self.samples.push(self.world.step_count(), self.world.time(), &self.values);
         let step = self.world.step_count();

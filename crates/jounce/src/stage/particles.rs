@@ -121,7 +121,7 @@ fn finish(world: &mut World, e: &mut Emitter, slot: u32) {
 }
 
 /// The fields at an emitter, where all that act on it are the same everywhere.
-fn uniform_medium(world: &World, e: &Emitter) -> Option<crate::room::fields::point::Sample> {
+fn uniform_medium(world: &World, e: &Emitter) -> Option<crate::room::fields::point::FieldSample> {
     let fields = &world.fields;
     if fields.table.len() == 0 {
         return Some(Default::default());

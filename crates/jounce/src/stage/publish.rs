@@ -12,6 +12,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     super::sensors::run(world);
     hits(world);
     world.step_count += 1;
+    world.fields.time = world.time();
 }
 
 /// Moves the fat bounds of shapes that left theirs.

@@ -5,11 +5,13 @@
 mod body;
 mod field;
 mod run;
+mod system;
 mod values;
 
 pub use body::*;
 pub use field::*;
 pub use run::*;
+pub use system::*;
 pub use values::*;
 
 use schemars::JsonSchema;
@@ -53,6 +55,12 @@ pub struct SceneSpec {
     /// Laws that act on everything in a region: gravity of stars, wind, air, water, whirls.
     #[serde(default)]
     pub fields: Vec<FieldSpec>,
+    /// Points and springs of the textbook: pairs, cloth, jelly.
+    #[serde(default)]
+    pub systems: Vec<SystemSpec>,
+    /// Sources of particles.
+    #[serde(default)]
+    pub emitters: Vec<EmitterSpec>,
     /// Timed actions, in any order.
     #[serde(default)]
     pub timeline: Vec<TimelineSpec>,

@@ -1,11 +1,12 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
-use super::{BodySpec, ExplodeSpec, SetFieldSpec};
+use super::{BodySpec, EmitSpec, ExplodeSpec, SetEmitterSpec, SetFieldSpec};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
-/// `wake`, `sleep`, `enable`, `explode` and `set_field`.
+/// `wake`, `sleep`, `enable`, `explode`, `set_field`,
+/// `emit` and `set_emitter`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimelineSpec {
@@ -39,6 +40,10 @@ pub struct TimelineSpec {
     pub explode: Option<ExplodeSpec>,
     /// Switches a field on or off.
     pub set_field: Option<SetFieldSpec>,
+    /// Lets an emitter bear particles at once.
+    pub emit: Option<EmitSpec>,
+    /// Switches an emitter on or off.
+    pub set_emitter: Option<SetEmitterSpec>,
 }
 
 /// Bodies to add.
@@ -137,8 +142,16 @@ pub struct ProbeSpec {
     /// How many bodies become one number.
     pub aggregate: Option<AggregateSpec>,
     /// Of the whole world: energy, kinetic_energy, potential_energy, momentum.x|y|z, angular_momentum.x|y|z, bodies,
-    /// awake, shapes, contacts, touching.
+    /// awake, shapes, contacts, touching, particles.
     pub world: Option<String>,
+    /// Name of a system of points and springs, with `value` (and `point`): position.x|y|z and velocity.x|y|z (of a point, or of
+    /// the centre of mass), momentum.x|y|z, speed, distance (from the start), radius (from the origin; of all points the
+    /// largest), lowest (y), kinetic_energy, elastic_energy, energy (both).
+    pub system: Option<String>,
+    /// Number of a point of the system.
+    pub point: Option<u64>,
+    /// Name of an emitter, with `value`: particles, born, highest, lowest, center.x|y|z, speed (mean).
+    pub emitter: Option<String>,
     /// Name of a body with sensor shapes: how many shapes are inside.
     pub sensor: Option<String>,
     /// Counts events of a kind since the start.

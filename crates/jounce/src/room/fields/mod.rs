@@ -28,5 +28,5 @@ pub mod desc;
 pub(crate) mod edit;
 pub(crate) mod explosion;
 pub(crate) mod gust;
-pub(crate) mod point;
+pub mod point;
 pub mod state;

@@ -8,7 +8,7 @@ use jounce_motion::force;
 
 /// What all fields together say at one place and time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Sample {
+pub struct FieldSample {
     /// Acceleration by uniform, point, user and frame fields, without the world's own gravity, m/s².
     pub acceleration: Vec3,
     /// Velocity of the medium, m/s.
@@ -40,14 +40,23 @@ pub(crate) struct Medium {
     pub flow: Vec3,
 }
 
+impl crate::World {
+    /// What the fields say at a place now, for matter of these layers that moves with `velocity`. The world's own gravity
+    /// ([`crate::World::gravity`]) is not in it.
+    pub fn sample_fields(&self, at: DVec3, velocity: Vec3, layers: u32) -> FieldSample {
+        let _mode = jounce_tasks::FloatEnv::set_default();
+        self.fields.sample(at, velocity, layers)
+    }
+}
+
 impl Fields {
     /// What acts on matter of these layers at `at`, moving with `velocity`.
-    pub fn sample(&self, at: DVec3, velocity: Vec3, layers: u32) -> Sample {
+    pub fn sample(&self, at: DVec3, velocity: Vec3, layers: u32) -> FieldSample {
         let view =
             FieldView { position: at, velocity, mass: 0.0, time_s: self.time, body: None, user_data: 0 };
         let pull = self.pull(&view, layers);
         let air = self.medium(at, layers);
-        let mut s = Sample {
+        let mut s = FieldSample {
             acceleration: pull.gravity + pull.other - pull.spin.cross(velocity) * 2.0,
             flow: air.flow,
             density: air.density,

@@ -6,7 +6,7 @@ use super::noise::Noise;
 use super::state::Emitter;
 use crate::hooks::ParticleHook;
 use crate::limits;
-use crate::room::fields::point::Sample;
+use crate::room::fields::point::FieldSample;
 use jounce_math::{DVec3, Vec3, scalar::f32s, scalar::f64s};
 
 /// Births with equal spacing in time.
@@ -119,7 +119,7 @@ pub(crate) struct EmitterStep {
     /// The world's, for buoyancy.
     pub weight: Vec3,
     /// What the fields say, where that does not depend on the place.
-    pub medium: Option<Sample>,
+    pub medium: Option<FieldSample>,
     pub linear_drag: f32,
     /// 6π, and π/2 C_d.
     pub stokes: f32,

@@ -19,7 +19,7 @@ use super::prepare::{EmitterStep, Run, offset_of};
 use super::state::{Block, Emitter, LANES, Lane, Lane3, get3, set3};
 use crate::limits;
 use crate::room::contacts::rows::Wide3;
-use crate::room::fields::point::Sample;
+use crate::room::fields::point::FieldSample;
 use jounce_lanes::{Bits, Kernel, Lanes, Mask};
 use jounce_math::Vec3;
 
@@ -119,7 +119,7 @@ impl Medium {
     };
 
     /// Weight of the displaced liquid: a = −g ρV/m.
-    pub fn set(&mut self, l: usize, s: &Sample, weight: Vec3, radius: f32, mass: f32) {
+    pub fn set(&mut self, l: usize, s: &FieldSample, weight: Vec3, radius: f32, mass: f32) {
         let mut a = s.acceleration;
         if s.submerged {
             let volume = 4.0 / 3.0 * core::f32::consts::PI * radius * radius * radius;

@@ -1,0 +1,208 @@
+//! Emitters of a scene file, checked.
+
+use crate::bodies::{Names, Target};
+use crate::error::{Checked, Under, Wrong};
+use crate::shapes::{Library, rotation, unknown};
+use crate::spec::{EmitterShapeSpec, EmitterSpec, HitResponseSpec, ParticleCollisionSpec, PresetSpec};
+use jounce::math::{DVec3, Vec3, WorldPose};
+use jounce::particles::{dust, explosion, fire, fountain, genesis, smoke, snow, sparks, spray};
+use jounce::{
+    Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Filter, Gradient, Heat, HitResponse,
+    ParticleCollision, Turbulence,
+};
+
+/// One entry: the emitters that it makes, and the body that carries them.
+#[derive(Clone, Debug)]
+pub(crate) struct Emitters {
+    pub name: Option<String>,
+    pub descs: Vec<EmitterDesc>,
+    pub body: Option<Target>,
+}
+
+pub(crate) fn emitters(all: &[EmitterSpec], library: &mut Library, names: &Names) -> Checked<Vec<Emitters>> {
+    let mut out: Vec<Emitters> = Vec::with_capacity(all.len());
+    for (i, e) in all.iter().enumerate() {
+        let built = entry(e, library, names).index(i).key("emitters")?;
+        if built.name.is_some() && out.iter().any(|o| o.name == built.name) {
+            let message = format!("\"{}\" is given to two emitters", built.name.as_deref().unwrap_or(""));
+            return Err(Wrong::new(message, "a name of its own").key("name").index(i).key("emitters"));
+        }
+        out.push(built);
+    }
+    Ok(out)
+}
+
+/// Which entry a name means.
+pub(crate) fn find(name: &str, all: &[Emitters]) -> Checked<usize> {
+    let known = all.iter().filter_map(|e| e.name.as_deref());
+    all.iter()
+        .position(|e| e.name.as_deref() == Some(name))
+        .ok_or_else(|| unknown("emitter", name, known))
+}
+
+fn entry(e: &EmitterSpec, library: &mut Library, names: &Names) -> Checked<Emitters> {
+    let mut descs = match e.preset {
+        Some(p) => preset(p, e)?,
+        None => vec![described(e, library)?],
+    };
+    let body = e.body.as_deref().map(|b| names.resolve(b)).transpose().key("body")?;
+    if let Some(b) = &body
+        && b.count > 1
+    {
+        let message = format!("names {} bodies", b.count);
+        return Err(Wrong::new(message, format!("one, such as {}[0]", b.name)).key("body"));
+    }
+    for d in &mut descs {
+        if let Some(c) = &e.collision {
+            d.collision = Some(collision(c));
+        }
+        d.enabled = e.enabled.unwrap_or(true);
+        d.check()?;
+    }
+    Ok(Emitters { name: e.name.clone(), descs, body })
+}
+
+fn preset(p: PresetSpec, e: &EmitterSpec) -> Checked<Vec<EmitterDesc>> {
+    let others = [
+        ("shape", e.shape.is_some()),
+        ("rate", e.rate.is_some()),
+        ("bursts", !e.bursts.is_empty()),
+        ("speed", e.speed.is_some()),
+        ("lifetime_s", e.lifetime_s.is_some()),
+        ("mass", e.mass.is_some()),
+        ("radius", e.radius.is_some()),
+        ("color_over_life", e.color_over_life.is_some()),
+        ("size_over_life", e.size_over_life.is_some()),
+        ("turbulence", e.turbulence.is_some()),
+        ("heat", e.heat.is_some()),
+    ];
+    if let Some((key, _)) = others.iter().find(|(_, given)| *given) {
+        let expected = "position, scale, seed, collision and enabled beside `preset`";
+        return Err(Wrong::new("is given beside `preset`", expected).key(key));
+    }
+    let scale = e.scale.unwrap_or(1.0);
+    if !(0.01..=1e4).contains(&scale) {
+        return Err(Wrong::new(format!("is {scale}"), "0.01 to 10000 m").key("scale"));
+    }
+    let (at, seed) = (DVec3::from_array(e.position.unwrap_or([0.0; 3])), e.seed.unwrap_or(0));
+    let make = match p {
+        PresetSpec::Explosion => explosion,
+        PresetSpec::Smoke => smoke,
+        PresetSpec::Fire => fire,
+        PresetSpec::Spray => spray,
+        PresetSpec::Fountain => fountain,
+        PresetSpec::Sparks => sparks,
+        PresetSpec::Dust => dust,
+        PresetSpec::Snow => snow,
+        PresetSpec::Genesis => genesis,
+    };
+    Ok(make(at, scale, seed))
+}
+
+fn described(e: &EmitterSpec, library: &mut Library) -> Checked<EmitterDesc> {
+    if e.scale.is_some() {
+        return Err(Wrong::new("is given without `preset`", "scale only beside preset").key("scale"));
+    }
+    let mut d = EmitterDesc::new();
+    d.name = e.name.clone();
+    if let Some(s) = &e.shape {
+        d.shape = shape(s, library).key("shape")?;
+    }
+    let turned = rotation(e.rotation_deg, None)?;
+    d.pose = WorldPose::new(DVec3::from_array(e.position.unwrap_or([0.0; 3])), turned);
+    if let Some(v) = e.direction {
+        let unit = Vec3::from_array(v).try_normalize();
+        let (n, _) = unit.ok_or_else(|| Wrong::new("is zero", "a direction").key("direction"))?;
+        d.direction = EmitDirection::Along(n);
+    }
+    if e.outward == Some(true) {
+        d.direction = EmitDirection::Outward;
+    }
+    d.spread = e.spread_deg.unwrap_or(0.0).to_radians();
+    d.speed = e.speed.unwrap_or(d.speed);
+    d.rate = e.rate.unwrap_or(d.rate);
+    d.bursts = e.bursts.iter().map(|b| Burst { time_s: b.time_s.unwrap_or(0.0), count: b.count }).collect();
+    d.delay_s = e.delay_s.unwrap_or(d.delay_s);
+    d.duration_s = e.duration_s;
+    d.looping = e.looping.unwrap_or(d.looping);
+    d.lifetime_s = e.lifetime_s.unwrap_or(d.lifetime_s);
+    d.mass = e.mass.unwrap_or(d.mass);
+    d.radius = e.radius.unwrap_or(d.radius);
+    if let Some(keys) = &e.size_over_life {
+        d.size_over_life = Curve::new(keys.iter().map(|&[t, v]| (t, v)).collect::<Vec<_>>());
+    }
+    if let Some(keys) = &e.color_over_life {
+        let keys: Vec<_> = keys.iter().map(|&[t, r, g, b, a]| (t, [r, g, b, a])).collect();
+        d.color_over_life = Gradient::new(keys);
+    }
+    d.gravity_scale = e.gravity_scale.unwrap_or(d.gravity_scale);
+    d.linear_drag = e.linear_drag.unwrap_or(d.linear_drag);
+    d.drag_coefficient = e.drag_coefficient.unwrap_or(d.drag_coefficient);
+    d.turbulence = e.turbulence.map(|t| Turbulence {
+        speed: t.speed,
+        size: t.size,
+        time_s: t.time_s.unwrap_or(1.0),
+        seed: t.seed.unwrap_or(0),
+    });
+    d.heat = e.heat.map(|h| Heat {
+        excess: h.excess,
+        ambient: h.ambient.unwrap_or(293.0),
+        cooling_s: h.cooling_s,
+    });
+    d.kill_below = e.kill_below;
+    d.layers = e.layers.map_or(d.layers, |l| l.0);
+    d.max_particles = e.max_particles.map_or(d.max_particles, |n| n as usize);
+    d.seed = e.seed.unwrap_or(0);
+    Ok(d)
+}
+
+fn shape(s: &EmitterShapeSpec, library: &mut Library) -> Checked<EmitterShape> {
+    let given = [
+        s.sphere.is_some(),
+        s.sphere_surface.is_some(),
+        s.disc.is_some(),
+        s.cone.is_some(),
+        s.cuboid.is_some(),
+        s.mesh.is_some(),
+    ];
+    if given.iter().filter(|g| **g).count() != 1 {
+        let expected = "exactly one of sphere, sphere_surface, disc, cone, box, mesh";
+        return Err(Wrong::new("the shape has no clear kind", expected));
+    }
+    if let Some(radius) = s.sphere {
+        return Ok(EmitterShape::Sphere { radius, surface: false });
+    }
+    if let Some(radius) = s.sphere_surface {
+        return Ok(EmitterShape::Sphere { radius, surface: true });
+    }
+    if let Some(radius) = s.disc {
+        return Ok(EmitterShape::Disc { radius });
+    }
+    if let Some(c) = s.cone {
+        return Ok(EmitterShape::Cone {
+            half_angle: c.half_angle_deg.to_radians(),
+            radius: c.radius.unwrap_or(0.0),
+        });
+    }
+    if let Some(half) = s.cuboid {
+        return Ok(EmitterShape::Box { half: Vec3::from_array(half) });
+    }
+    let name = s.mesh.as_deref().unwrap_or("");
+    library.tri_mesh(name).map(EmitterShape::Mesh).key("mesh")
+}
+
+fn collision(c: &ParticleCollisionSpec) -> ParticleCollision {
+    let d = ParticleCollision::default();
+    ParticleCollision {
+        restitution: c.restitution.unwrap_or(d.restitution),
+        friction: c.friction.unwrap_or(d.friction),
+        response: match c.response {
+            None | Some(HitResponseSpec::Bounce) => HitResponse::Bounce,
+            Some(HitResponseSpec::Stick) => HitResponse::Stick,
+            Some(HitResponseSpec::Kill) => HitResponse::Kill,
+        },
+        push: c.push.unwrap_or(false),
+        filter: Filter { mask: c.mask.map_or(u32::MAX, |m| m.0), ..Filter::default() },
+        ..d
+    }
+}
