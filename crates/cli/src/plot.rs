@@ -88,7 +88,7 @@ fn curves(a: &PlotArgs, simulation: &Simulation) -> Vec<Series> {
         let points = samples.times().iter().zip(values).step_by(every).map(|(t, v)| [*t, *v]).collect();
         series.push(Series { name: name.clone(), points, style: Style::Solid });
     }
-    for e in simulation.finish().expectations {
+    for e in simulation.finish().expectations.into_iter().filter(|e| e.pass.is_some()) {
         let Expected::Value(v) = e.expected else { continue };
         if a.y.contains(&e.probe) {
             let name = format!("expected: {}", e.name);
