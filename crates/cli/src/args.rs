@@ -38,6 +38,8 @@ pub enum Command {
     Verify(VerifyArgs),
     /// Time scenes, side by side with other engines
     Bench(BenchArgs),
+    /// Answer a question of the textbook, without a world
+    Solve(SolveArgs),
 }
 
 #[derive(ClapArgs)]
@@ -55,7 +57,7 @@ pub struct RunArgs {
     /// Write the probes as a CSV file
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Sample every N steps for --csv
+    /// Sample probes every N steps for --csv; expectations are judged at every step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
 }
@@ -99,11 +101,15 @@ pub struct RenderArgs {
 pub struct PlotArgs {
     #[command(flatten)]
     pub common: Common,
-    /// Scene file
-    pub scene: PathBuf,
+    /// Scene files; several are drawn into one diagram
+    #[arg(required = true, value_name = "SCENE")]
+    pub scenes: Vec<PathBuf>,
     /// Probes to plot, separated by commas
     #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
     pub y: Vec<String>,
+    /// Logarithmic y axis
+    #[arg(long)]
+    pub log_y: bool,
     /// Diagram to write: .svg or .png
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
@@ -155,6 +161,106 @@ pub struct BenchArgs {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(ClapArgs)]
+pub struct SolveArgs {
+    #[command(subcommand)]
+    pub question: Question,
+}
+
+#[derive(Subcommand)]
+pub enum Question {
+    /// Launch angles and times, in vacuum and in air
+    ///
+    /// One of --angle, --range, --apex and --target says what is asked. The launch is the origin, x points forward, y up;
+    /// angles are in degrees above the horizontal, azimuths in degrees from x towards z. What cannot be reached is
+    /// answered with the nearest approach, and is no error: the exit code is 0.
+    ///
+    /// With --mass and a drag the same is answered in air, beside the vacuum.
+    Projectile(Box<ProjectileArgs>),
+}
+
+#[derive(ClapArgs)]
+pub struct ProjectileArgs {
+    /// Launch speed, m/s [default: the least that reaches the target, in vacuum]
+    #[arg(long, value_name = "S", value_parser = above_zero, allow_hyphen_values = true)]
+    pub speed: Option<f64>,
+    /// Launch angle, degrees: where does it fly?
+    #[arg(long, value_name = "DEG", value_parser = angle, allow_hyphen_values = true, requires = "speed", group = "question")]
+    pub angle: Option<f64>,
+    /// Distance to hit, m: by which angles?
+    #[arg(long, value_name = "R", value_parser = above_zero, allow_hyphen_values = true, group = "question")]
+    pub range: Option<f64>,
+    /// Height that the apex is to have above the launch, m: by which angle?
+    #[arg(long, value_name = "H", value_parser = above_zero, allow_hyphen_values = true, group = "question")]
+    pub apex: Option<f64>,
+    /// Point to hit, m from the launch: by which angles?
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, group = "question")]
+    pub target: Option<[f64; 3]>,
+    /// Height of the target of --range above the launch, m
+    #[arg(long, value_name = "H", value_parser = finite, allow_hyphen_values = true, default_value = "0", requires = "range")]
+    pub height: f64,
+    /// Velocity of the target of --range or --target, m/s: where to lead?
+    #[arg(long, value_name = "VX,VY,VZ", value_parser = vector, allow_hyphen_values = true, requires = "speed", conflicts_with_all = ["angle", "apex"])]
+    pub moving: Option<[f64; 3]>,
+    /// Height of the launch of --angle above the ground, m
+    #[arg(long, value_name = "H", value_parser = not_negative, allow_hyphen_values = true, default_value = "0", requires = "angle")]
+    pub launch_height: f64,
+    /// Gravity, m/s²
+    #[arg(long, value_name = "G", value_parser = above_zero, allow_hyphen_values = true, default_value = "9.81")]
+    pub gravity: f64,
+    /// Mass of the projectile, kg
+    #[arg(long, value_name = "M", value_parser = above_zero, allow_hyphen_values = true, help_heading = "Air")]
+    pub mass: Option<f64>,
+    /// Diameter of the projectile, a ball, m
+    #[arg(long, value_name = "D", value_parser = above_zero, allow_hyphen_values = true, help_heading = "Air", requires = "mass")]
+    pub diameter: Option<f64>,
+    /// Drag coefficient C_d of ½ ρ A C_d v²
+    #[arg(long, value_name = "CD", value_parser = not_negative, allow_hyphen_values = true, help_heading = "Air", requires = "diameter")]
+    pub drag: Option<f64>,
+    /// Linear drag b of b v, kg/s
+    #[arg(long, value_name = "B", value_parser = not_negative, allow_hyphen_values = true, help_heading = "Air", requires = "mass")]
+    pub linear_drag: Option<f64>,
+    /// Density of the air, kg/m³
+    #[arg(long, value_name = "RHO", value_parser = not_negative, allow_hyphen_values = true, help_heading = "Air", default_value = "1.2", requires = "diameter")]
+    pub density: f64,
+    /// Velocity of the wind, m/s
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Air", requires = "mass")]
+    pub wind: Option<[f64; 3]>,
+    /// Spin, rad/s; it lifts as a sports ball's
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, help_heading = "Air", requires = "diameter")]
+    pub spin: Option<[f64; 3]>,
+    /// Spin about the axis to the right of the shot, rad/s: the top turns back, the ball is lifted
+    #[arg(long, value_name = "W", value_parser = finite, allow_hyphen_values = true, help_heading = "Air", requires = "diameter", conflicts_with = "spin")]
+    pub backspin: Option<f64>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    in_range(text, |v| v > 0.0 && v <= 1e9, "a number above 0, at most 1e9")
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    in_range(text, |v| (0.0..=1e9).contains(&v), "a number from 0 to 1e9")
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    in_range(text, |v| v.abs() <= 1e9, "a number from -1e9 to 1e9")
+}
+
+fn angle(text: &str) -> Result<f64, String> {
+    in_range(text, |v| v.abs() <= 90.0, "-90 to 90 degrees")
+}
+
+fn vector(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<f64> = text.split(',').map_while(|p| finite(p.trim()).ok()).collect();
+    let whole = text.split(',').count() == 3;
+    <[f64; 3]>::try_from(parts).ok().filter(|_| whole).ok_or_else(|| {
+        "expected three numbers from -1e9 to 1e9 with commas between them, such as 10,2.5,-3".into()
+    })
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

@@ -48,6 +48,12 @@ impl From<jounce::Error> for Failure {
     }
 }
 
+impl From<jounce_motion::Error> for Failure {
+    fn from(e: jounce_motion::Error) -> Self {
+        Self::bad(e.to_string())
+    }
+}
+
 impl From<std::io::Error> for Failure {
     fn from(e: std::io::Error) -> Self {
         match e.kind() {

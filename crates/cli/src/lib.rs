@@ -13,6 +13,7 @@ mod plot;
 mod render;
 mod run;
 mod showcase;
+mod solve;
 pub mod verify;
 
 use args::{Args, Command};
@@ -41,6 +42,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Run(a)) => a.json,
         Some(Command::Verify(a)) => a.json,
         Some(Command::Bench(a)) => a.json,
+        Some(Command::Solve(args::SolveArgs { question: args::Question::Projectile(a) })) => a.json,
         // `check` reports on each file, refused or not.
         _ => false,
     };
@@ -52,6 +54,7 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(Command::Check(a)) => check::check(&a),
         Some(Command::Verify(a)) => verify::verify(&a),
         Some(Command::Bench(a)) => bench::bench(&a),
+        Some(Command::Solve(a)) => solve::solve(&a),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,8 +5,9 @@ use crate::error::{Done, Failure};
 use crate::output::{note, progress};
 use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce_render::{Plot, Series, Style, write_whole};
-use jounce_scene::spec::{AggregateSpec, ProbeSpec, SceneSpec};
-use jounce_scene::{Expected, Simulation};
+use jounce_scene::spec::{AggregateSpec, ProbeSpec};
+use jounce_scene::{Expected, Scene};
+use std::path::Path;
 
 pub fn plot(a: &PlotArgs) -> Done {
     let extension = a.output.extension().and_then(|e| e.to_str()).unwrap_or("").to_lowercase();
@@ -14,27 +15,23 @@ pub fn plot(a: &PlotArgs) -> Done {
         let name = a.output.display();
         return Err(Failure::bad(format!("{name}: expected a name that ends in .svg or .png")));
     }
-    let scene = match load(&a.scene, &a.common)? {
-        Loaded::Scene(scene) => scene,
-        Loaded::Skipped(why) => return say_skipped(&a.scene, &why, false),
-    };
-    let known: Vec<&str> = scene.spec().probes.keys().collect();
-    if let Some(name) = a.y.iter().find(|y| !known.contains(&y.as_str())) {
-        let expected = if known.is_empty() { "(the scene has none)".into() } else { known.join(", ") };
-        let file = a.scene.display();
-        return Err(Failure::bad(format!("{file}: no probe \"{name}\"; expected one of {expected}")));
+    let mut curves = Curves { series: Vec::new(), units: Vec::new(), names: Vec::new() };
+    for path in &a.scenes {
+        match load(path, &a.common)? {
+            Loaded::Scene(scene) => curves.add(a, path, &scene)?,
+            Loaded::Skipped(why) => say_skipped(path, &why, false)?,
+        }
     }
-    let mut simulation = start(&a.scene, &scene, a.common.threads.unwrap_or(1))?;
-    let count = simulation.steps_for(a.seconds.unwrap_or_else(|| scene.seconds()));
-    let bar = progress(count, "simulate");
-    simulate(&a.scene, &mut simulation, count, &bar, |_| Ok(()))?;
-    bar.finish_and_clear();
+    if curves.names.is_empty() {
+        return Ok(());
+    }
     let plot = Plot {
-        title: scene.name().to_string(),
-        y_label: label(a, scene.spec()),
-        series: curves(a, &simulation),
+        title: curves.names.join(", "),
+        y_label: label(a, &curves.units),
+        series: curves.series,
         width: a.size.0.max(200),
         height: a.size.1.max(150),
+        log_y: a.log_y,
         ..Plot::default()
     };
     if extension == "svg" {
@@ -47,14 +44,14 @@ pub fn plot(a: &PlotArgs) -> Done {
 }
 
 /// Name of the axis: the probe where there is one, and the unit where all share it.
-fn label(a: &PlotArgs, spec: &SceneSpec) -> String {
-    let of = |name: &String| spec.probes.get(name).map_or("", unit);
-    let shared = of(&a.y[0]);
+fn label(a: &PlotArgs, units: &[&str]) -> String {
     let name = if a.y.len() == 1 { a.y[0].as_str() } else { "" };
-    if shared.is_empty() || a.y.iter().any(|n| of(n) != shared) {
-        return name.into();
+    match units {
+        [first, rest @ ..] if !first.is_empty() && rest.iter().all(|u| u == first) => {
+            format!("{name} ({first})").trim().into()
+        }
+        _ => name.into(),
     }
-    format!("{name} ({shared})").trim().into()
 }
 
 /// Unit of what a probe measures; empty for counts.
@@ -78,22 +75,57 @@ fn unit(probe: &ProbeSpec) -> &'static str {
     }
 }
 
-/// The probes' curves, and as dots the numbers that the scene expects of them.
-fn curves(a: &PlotArgs, simulation: &Simulation) -> Vec<Series> {
-    let samples = simulation.samples();
-    let every = usize::try_from(a.every).unwrap_or(usize::MAX);
-    let mut series = Vec::new();
-    for name in &a.y {
-        let values = samples.column(name).unwrap_or_default();
-        let points = samples.times().iter().zip(values).step_by(every).map(|(t, v)| [*t, *v]).collect();
-        series.push(Series { name: name.clone(), points, style: Style::Solid });
-    }
-    for e in simulation.finish().expectations.into_iter().filter(|e| e.pass.is_some()) {
-        let Expected::Value(v) = e.expected else { continue };
-        if a.y.contains(&e.probe) {
-            let name = format!("expected: {}", e.name);
-            series.push(Series { name, points: vec![[e.at, v]], style: Style::Dots });
+/// Most expectations of a scene that stand in the legend.
+const NAMED_DOTS_MAX: usize = 4;
+
+/// What is drawn of the scenes so far.
+struct Curves {
+    series: Vec<Series>,
+    /// Of each curve.
+    units: Vec<&'static str>,
+    /// Of the scenes.
+    names: Vec<String>,
+}
+
+impl Curves {
+    /// Runs a scene: the probes' curves, and as dots in their colours the numbers that the scene expects of them.
+    fn add(&mut self, a: &PlotArgs, path: &Path, scene: &Scene) -> Done {
+        let spec = scene.spec();
+        let known: Vec<&str> = spec.probes.keys().collect();
+        if let Some(name) = a.y.iter().find(|y| !known.contains(&y.as_str())) {
+            let expected = if known.is_empty() { "(the scene has none)".into() } else { known.join(", ") };
+            let file = path.display();
+            return Err(Failure::bad(format!("{file}: no probe \"{name}\"; expected one of {expected}")));
         }
+        let mut simulation = start(path, scene, a.common.threads.unwrap_or(1))?;
+        simulation.sample_every(a.every);
+        let count = simulation.steps_for(a.seconds.unwrap_or_else(|| scene.seconds()));
+        let bar = progress(count, "simulate");
+        simulate(path, &mut simulation, count, &bar, |_| Ok(()))?;
+        bar.finish_and_clear();
+        let samples = simulation.samples();
+        let expected = simulation.finish().expectations;
+        // Two files may hold scenes of one name.
+        let name = scene.name().to_string();
+        let name = if self.names.contains(&name) { path.display().to_string() } else { name };
+        let of = if a.scenes.len() > 1 { format!("{name}: ") } else { String::new() };
+        let mut dots = 0;
+        for probe in &a.y {
+            let color = Some(self.units.len());
+            self.units.push(spec.probes.get(probe).map_or("", unit));
+            let values = samples.column(probe).unwrap_or_default();
+            let points = samples.times().iter().zip(values).map(|(t, v)| [*t, *v]).collect();
+            self.series.push(Series { name: format!("{of}{probe}"), points, style: Style::Solid, color });
+            for e in expected.iter().filter(|e| &e.probe == probe && e.pass.is_some()) {
+                let Expected::Value(v) = e.expected else { continue };
+                // Many names would hide the curves.
+                let name =
+                    if dots < NAMED_DOTS_MAX { format!("{of}expected: {}", e.name) } else { String::new() };
+                dots += 1;
+                self.series.push(Series { name, points: vec![[e.at, v]], style: Style::Dots, color });
+            }
+        }
+        self.names.push(name);
+        Ok(())
     }
-    series
 }

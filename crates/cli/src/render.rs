@@ -7,8 +7,8 @@ use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, ShapeId, World};
 use jounce_render::{
-    Camera, Film, Image, Look, Overlay, Pattern, RenderOptions, Skin, Stage, contact_overlay, default_skin,
-    sensor_overlay, srgb, write_whole,
+    Camera, Extras, Film, Image, Look, Overlay, Pattern, RenderOptions, Skin, Stage, Trails, contact_overlay,
+    default_skin, render_with, sensor_overlay, srgb, write_whole,
 };
 use jounce_scene::{Scene, Simulation};
 use std::path::Path;
@@ -35,32 +35,37 @@ pub fn render(a: &RenderArgs) -> Done {
     painter.options.light_samples = if fine { 3 } else { 1 };
     painter.options.edge_samples = if fine { 8 } else { 4 };
     if film {
-        shoot(a, &scene, &mut simulation, &painter)
+        shoot(a, &scene, &mut simulation, &mut painter)
     } else {
-        snap(a, &scene, &mut simulation, &painter)
+        snap(a, &scene, &mut simulation, &mut painter)
     }
 }
 
-fn snap(a: &RenderArgs, scene: &Scene, simulation: &mut Simulation, painter: &Painter<'_>) -> Done {
+fn snap(a: &RenderArgs, scene: &Scene, simulation: &mut Simulation, painter: &mut Painter<'_>) -> Done {
     let count = simulation.steps_for(a.at.or(a.seconds).unwrap_or_else(|| scene.seconds()));
     let bar = progress(count, "simulate");
-    simulate(&a.scene, simulation, count, &bar, |_| Ok(()))?;
+    simulate(&a.scene, simulation, count, &bar, |s| watch(painter, s))?;
     bar.finish_and_clear();
     painter.picture(simulation)?.write_png(&a.output)?;
     note(&format!("wrote {}", a.output.display()));
     Ok(())
 }
 
-fn shoot(a: &RenderArgs, scene: &Scene, simulation: &mut Simulation, painter: &Painter<'_>) -> Done {
+fn shoot(a: &RenderArgs, scene: &Scene, simulation: &mut Simulation, painter: &mut Painter<'_>) -> Done {
     let seconds = a.seconds.unwrap_or_else(|| scene.seconds());
     let dt = simulation.world().dt();
     let every = a.every.unwrap_or_else(|| ((1.0 / (a.fps.unwrap_or(15.0) * dt)).round() as u64).max(1));
     let first = simulation.steps_for(a.at.unwrap_or(0.0));
-    simulate(&a.scene, simulation, first, &progress(first, "simulate"), |_| Ok(()))?;
+    simulate(&a.scene, simulation, first, &progress(first, "simulate"), |s| watch(painter, s))?;
     let count = simulation.steps_for(seconds);
     let bytes = shoot_film(&a.scene, simulation, painter, count, every)?;
     write_whole(&a.output, &bytes)?;
     note(&format!("wrote {} ({:.2} MB)", a.output.display(), bytes.len() as f64 / 1e6));
+    Ok(())
+}
+
+fn watch(painter: &mut Painter<'_>, simulation: &Simulation) -> Done {
+    painter.watch(simulation);
     Ok(())
 }
 
@@ -71,7 +76,7 @@ const FRAMES_MAX: u64 = 3000;
 pub fn shoot_film(
     path: &Path,
     simulation: &mut Simulation,
-    painter: &Painter<'_>,
+    painter: &mut Painter<'_>,
     count: u64,
     every: u64,
 ) -> Done<Vec<u8>> {
@@ -89,6 +94,7 @@ pub fn shoot_film(
     let mut done = 0;
     simulate(path, simulation, count, &bar, |s| {
         done += 1;
+        painter.watch(s);
         // The last picture would be the first of the next round.
         if done % every == 0 && done < count {
             film.push(painter.picture(s)?)?;
@@ -106,9 +112,13 @@ pub struct Painter<'a> {
     camera: Camera,
     /// Where the followed body was at the start.
     followed: DVec3,
+    trails: Option<Trails>,
     pub caption: bool,
     pub contacts: bool,
 }
+
+/// Width of trails where the scene gives none, as a part of the camera's distance from its target.
+const TRAIL_WIDTH: f64 = 0.005;
 
 impl<'a> Painter<'a> {
     pub fn new(scene: &'a Scene, simulation: &Simulation, size: (u32, u32), threads: Option<u32>) -> Self {
@@ -138,10 +148,34 @@ impl<'a> Painter<'a> {
             look,
             ..RenderOptions::default()
         };
-        let mut painter =
-            Self { scene, options, camera, followed: DVec3::ZERO, caption: false, contacts: false };
+        let trails = spec.render.as_ref().and_then(|r| r.trails.as_ref());
+        let width = ((camera.target - camera.position).length() * TRAIL_WIDTH) as f32;
+        let trails = trails.map(|t| Trails::new(t.seconds, t.width.unwrap_or(width)));
+        let followed = DVec3::ZERO;
+        let mut painter = Self { scene, options, camera, followed, trails, caption: false, contacts: false };
         painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);
+        painter.watch(simulation);
         painter
+    }
+
+    /// To be called after every step: remembers what pictures show of the past.
+    pub fn watch(&mut self, simulation: &Simulation) {
+        let spec = self.scene.spec().render.as_ref().and_then(|r| r.trails.as_ref());
+        let (Some(trails), Some(spec)) = (&mut self.trails, spec) else { return };
+        let world = simulation.world();
+        for &id in spec.bodies.iter().flat_map(|name| simulation.bodies(name)) {
+            let Ok(body) = world.body(id) else { continue };
+            trails.record(id.to_bits(), world.time(), body.position(), simulation.color(id));
+        }
+    }
+
+    /// What is drawn beside the world's shapes.
+    fn extras(&self, simulation: &Simulation) -> Extras {
+        let mut extras = Extras::default();
+        if let Some(trails) = &self.trails {
+            trails.add_to(simulation.world().time(), &mut extras);
+        }
+        extras
     }
 
     fn follow(&self, simulation: &Simulation) -> Option<DVec3> {
@@ -199,7 +233,7 @@ impl<'a> Painter<'a> {
         if self.caption {
             overlay.caption = Some(format!("{}   t = {:.2} s", self.scene.name(), world.time()));
         }
-        Ok(jounce_render::render(&stage, &camera, &overlay, &self.options)?)
+        Ok(render_with(&stage, &camera, &self.extras(simulation), &overlay, &self.options)?)
     }
 }
 

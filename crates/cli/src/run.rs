@@ -132,12 +132,12 @@ pub fn run(a: &RunArgs) -> Done {
     };
     let mut simulation = start(&a.scene, &scene, a.common.threads.unwrap_or(1))?;
     let count = simulation.steps_for(a.seconds.unwrap_or_else(|| scene.seconds()));
+    simulation.sample_every(a.every);
     let bar = progress(count, "simulate");
     simulate(&a.scene, &mut simulation, count, &bar, |_| Ok(()))?;
     bar.finish_and_clear();
     if let Some(path) = &a.csv {
-        let every = usize::try_from(a.every).unwrap_or(usize::MAX);
-        write_whole(path, simulation.samples().csv(every).as_bytes())?;
+        write_whole(path, simulation.samples().csv().as_bytes())?;
         note(&format!("wrote {}", path.display()));
     }
     let report = simulation.finish();

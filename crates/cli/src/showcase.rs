@@ -27,10 +27,10 @@ pub fn showcase(common: &Common) -> Done {
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get().min(16) as u32);
     let threads = common.threads.unwrap_or(cores);
     let mut simulation = start(&path, &scene, threads)?;
-    let painter = Painter::new(&scene, &simulation, (480, 270), Some(threads));
+    let mut painter = Painter::new(&scene, &simulation, (480, 270), Some(threads));
     let every = ((1.0 / (FPS * simulation.world().dt())).round() as u64).max(1);
     let count = simulation.steps_for(scene.seconds());
-    let film = shoot_film(&path, &mut simulation, &painter, count, every)?;
+    let film = shoot_film(&path, &mut simulation, &mut painter, count, every)?;
     let output = PathBuf::from("out/showcase.gif");
     write_whole(&output, &film)?;
     let report = simulation.finish();

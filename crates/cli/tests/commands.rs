@@ -177,6 +177,97 @@ fn render_writes_pictures_and_films() {
 }
 
 #[test]
+fn expectations_are_judged_between_samples() {
+    let dir = folder("every");
+    let csv = dir.join("probes.csv");
+    // 40 does not divide the 90 steps, whose last one is judged.
+    let o = jounce(&["run", "tests/data/drop.json", "--json", "--csv", text(&csv), "--every", "40"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let every = jounce(&["run", "tests/data/drop.json", "--json"]);
+    assert_eq!(json(&o)["expectations"], json(&every)["expectations"]);
+    let rows = std::fs::read_to_string(csv).expect("written");
+    let times: Vec<f64> = rows.lines().skip(1).filter_map(|l| l.split(',').next()?.parse().ok()).collect();
+    assert_eq!(times.len(), 3, "{rows}");
+    for (row, t) in times.iter().enumerate() {
+        assert!((t - row as f64 * 40.0 / 60.0).abs() < 1e-9, "{rows}");
+    }
+    std::fs::remove_dir_all(dir).expect("removed");
+}
+
+/// Frames of a GIF: its graphic control extensions.
+fn frames(path: &Path) -> usize {
+    let bytes = std::fs::read(path).expect("written");
+    bytes.windows(4).filter(|w| *w == [0x21, 0xF9, 0x04, 0x04] || *w == [0x21, 0xF9, 0x04, 0x05]).count()
+}
+
+#[test]
+fn films_draw_every_nth_step() {
+    let dir = folder("frames");
+    let gif = dir.join("a.gif");
+    for (every, count) in [("10", 3), ("7", 5)] {
+        let words =
+            ["render", "tests/data/drop.json", "-o", text(&gif), "--size", "64x36", "--seconds", "0.5"];
+        let o = jounce(&[&words[..], &["--every", every]].concat());
+        assert_eq!(code(&o), 0, "{}", err(&o));
+        assert_eq!(frames(&gif), count, "30 steps, every {every}");
+    }
+    let both = ["render", "tests/data/drop.json", "-o", text(&gif), "--every", "3", "--fps", "20"];
+    refused(&both, &["--every", "--fps", "cannot be used with"]);
+    std::fs::remove_dir_all(dir).expect("removed");
+}
+
+#[test]
+fn trails_are_drawn() {
+    let dir = folder("trails");
+    let plain = dir.join("plain.json");
+    let scene = std::fs::read_to_string("tests/data/throw.json").expect("there");
+    let without = scene.replace(
+        r#""render": {"trails": {"bodies": ["ball"], "seconds": 2, "width": 0.2}}"#,
+        r#""render": {}"#,
+    );
+    assert_ne!(scene, without);
+    std::fs::write(&plain, without).expect("written");
+    let (a, b, c) = (dir.join("a.png"), dir.join("b.png"), dir.join("c.png"));
+    for (scene, file, threads) in
+        [("tests/data/throw.json", &a, "1"), ("tests/data/throw.json", &b, "4"), (text(&plain), &c, "1")]
+    {
+        let o = jounce(&["render", scene, "-o", text(file), "--size", "96x54", "--threads", threads]);
+        assert_eq!(code(&o), 0, "{}", err(&o));
+    }
+    let [a, b, c] = [a, b, c].map(|p| std::fs::read(p).expect("written"));
+    assert!(a == b, "the same at any number of threads");
+    assert!(a != c, "the trail shows");
+    std::fs::remove_dir_all(dir).expect("removed");
+}
+
+#[test]
+fn plot_takes_several_scenes_and_powers() {
+    let dir = folder("plots");
+    let svg = dir.join("a.svg");
+    let words = [
+        "plot",
+        "tests/data/drop.json",
+        "tests/data/throw.json",
+        "--y",
+        "height",
+        "-o",
+        text(&svg),
+        "--log-y",
+    ];
+    let o = jounce(&words);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let words = std::fs::read_to_string(&svg).expect("written");
+    for word in ["drop: height", "throw: height", "height (m)", "drop, throw"] {
+        assert!(words.contains(word), "{word}");
+    }
+    refused(
+        &["plot", "tests/data/drop.json", "tests/data/throw.json", "--y", "ball", "-o", text(&svg)],
+        &["throw.json", "ball", "height"],
+    );
+    std::fs::remove_dir_all(dir).expect("removed");
+}
+
+#[test]
 fn plot_writes_diagrams() {
     let dir = folder("plot");
     let (svg, png) = (dir.join("a.svg"), dir.join("a.png"));

@@ -30,5 +30,6 @@ pub use pairs::collide;
 pub use shapes::compound::Compound;
 pub use shapes::height_field::HeightField;
 pub use shapes::submerged::Submerged;
+pub use shapes::triangle::closest_point as closest_point_of_triangle;
 pub use shapes::{MassProperties, PointHit, RayHit, Shape};
 pub use tree::Bvh;

@@ -95,9 +95,11 @@ fn depth_agrees_with_a_direction_sweep() {
                 }
                 let g = gap(&a, &b, &pose, 1500, &guesses);
                 match deepest(&m) {
-                    // Deep inside, the sweep may stop on a lesser hill: then it is the sweep that is too low.
-                    Some(s) if g <= 0.0 => assert!((s - g).abs() < 1e-3, "{s} against {g}: {what}"),
-                    Some(s) => assert!(s > g - 1e-4, "{s} against {g}: {what}"),
+                    // Apart, a point nearer than the shapes is a wrong one, whatever the face's tolerance.
+                    Some(s) if g > 0.0 => {
+                        assert!(s > g - 1e-4 && s < g + 1e-3, "{s} against {g}: {what}");
+                    }
+                    Some(s) => assert!((s - g).abs() < 1e-3, "{s} against {g}: {what}"),
                     None => assert!(g > MARGIN - 1e-4, "nothing at gap {g}: {what}"),
                 }
             }

@@ -3,9 +3,10 @@
 
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
+use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use crate::settings::Settings;
-use crate::{BodyId, FieldId, ShapeId};
+use crate::{BodyId, EmitterId, FieldId, ShapeId};
 use jounce_geometry::{MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
@@ -82,6 +83,20 @@ pub enum Command {
     SetField(FieldId, Box<FieldDesc>),
     /// Lets off a blast.
     Explode(Explosion),
+    /// Adds an emitter of particles; gives [`Output::Emitter`].
+    AddEmitter(Box<EmitterDesc>),
+    /// Removes an emitter with its particles.
+    RemoveEmitter(EmitterId),
+    /// Replaces an emitter's description; its particles stay, and its clock goes on.
+    SetEmitter(EmitterId, Box<EmitterDesc>),
+    /// Stops an emitter's births and its clock, or lets them go on.
+    SetEmitterEnabled(EmitterId, bool),
+    /// So many births at once, of age 0 at the end of the last step.
+    EmitBurst(EmitterId, u32),
+    /// Adds particles as given.
+    EmitParticles(EmitterId, Vec<ParticleSpawn>),
+    /// Removes all particles of an emitter, or (`None`) of all.
+    ClearParticles(Option<EmitterId>),
     /// Sets the world's gravity, m/s²; wakes everything.
     SetGravity(Vec3),
     /// Sets the solver's constants; wakes everything.
@@ -99,4 +114,6 @@ pub enum Output {
     Shape(ShapeId),
     /// The new field.
     Field(FieldId),
+    /// The new emitter.
+    Emitter(EmitterId),
 }

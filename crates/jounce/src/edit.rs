@@ -9,6 +9,7 @@ use crate::handle::{BodyId, ShapeId};
 use crate::limits;
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::contacts::state::{Place, ShapeRecord};
+use crate::room::particles::blast::push_by_explosion;
 use crate::room::rigid::desc::{self, AxisLocks, BodyDesc, BodyKind};
 use crate::room::rigid::mass;
 use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, NONE, lock_bits};
@@ -77,7 +78,17 @@ impl World {
             C::AddField(d) => return self.do_add_field(*d).map(Output::Field),
             C::RemoveField(f) => self.do_remove_field(f)?,
             C::SetField(f, d) => self.do_set_field(f, *d)?,
-            C::Explode(e) => self.do_explode(&e)?,
+            C::Explode(e) => {
+                self.do_explode(&e)?;
+                push_by_explosion(self, &e);
+            }
+            C::AddEmitter(d) => return self.do_add_emitter(*d).map(Output::Emitter),
+            C::RemoveEmitter(e) => self.do_remove_emitter(e)?,
+            C::SetEmitter(e, d) => self.do_set_emitter(e, *d)?,
+            C::SetEmitterEnabled(e, on) => self.do_enable_emitter(e, on)?,
+            C::EmitBurst(e, n) => self.do_emit_burst(e, n)?,
+            C::EmitParticles(e, spawns) => self.do_emit_particles(e, &spawns)?,
+            C::ClearParticles(e) => self.do_clear_particles(e)?,
             C::SetGravity(g) => self.do_set_gravity(g)?,
             C::SetSettings(s) => {
                 s.check()?;

@@ -1,6 +1,6 @@
 //! What happened in a step, in an order that is part of the hash.
 
-use crate::{BodyId, ShapeId};
+use crate::{BodyId, EmitterId, ShapeId};
 use jounce_math::{DVec3, Vec3};
 
 /// Something that happened in a step, or by an edit between steps: that is told with the next step's events, before them. See
@@ -73,6 +73,24 @@ pub enum Event {
     SpeedLimited {
         /// The body.
         body: BodyId,
+    },
+    /// A particle met a shape: [`crate::ParticleCollision::hit_events`].
+    ParticleHit {
+        /// Whose particle.
+        emitter: EmitterId,
+        /// What it met.
+        shape: ShapeId,
+        /// Where, in the world.
+        point: DVec3,
+        /// Unit normal out of the shape.
+        normal: Vec3,
+        /// Approach speed along the normal, m/s.
+        speed: f32,
+    },
+    /// All births that time brings are over, or the emitter's body is gone.
+    EmitterFinished {
+        /// The emitter; removed by now if it was to remove itself and had no particle left.
+        emitter: EmitterId,
     },
     /// A bound of [`crate::limits`] was reached inside the step; the step went on without the excess.
     LimitReached {

@@ -36,6 +36,10 @@ handle! {
     ShapeId
 }
 handle! {
+    /// Names an emitter of particles of a [`crate::World`].
+    EmitterId
+}
+handle! {
     /// Names a field of a [`crate::World`].
     FieldId
 }

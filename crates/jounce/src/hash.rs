@@ -131,6 +131,7 @@ impl World {
         if !self.fields.is_empty() {
             self.hash_fields(&mut h);
         }
+        self.particles.hash(&mut h);
         self.told.last().iter().for_each(|e| hash_event(&mut h, e));
         self.hash_waiting(&mut h);
         h.finish()
@@ -268,6 +269,13 @@ fn hash_event(h: &mut StateHasher, e: &Event) {
         Event::Wake { body } => [7, body.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::Quarantine { body } => [8, body.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::SpeedLimited { body } => [10, body.to_bits()].into_iter().for_each(|w| h.word(w)),
+        Event::ParticleHit { emitter, shape, point, normal, speed } => {
+            [11, emitter.to_bits(), shape.to_bits()].into_iter().for_each(|w| h.word(w));
+            h.dvec3(point);
+            h.vec3(normal);
+            h.floats(speed, 0.0);
+        }
+        Event::EmitterFinished { emitter } => [12, emitter.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::LimitReached { what } => h.word(0x900 + what.len() as u64),
     }
 }

@@ -3,7 +3,7 @@
 //! They may run on any thread in any order, so they must not depend on anything but their arguments.
 
 use crate::room::contacts::state::Surface;
-use crate::{BodyId, ShapeId};
+use crate::{BodyId, ParticleView, ShapeId};
 use core::fmt;
 use jounce_math::{DVec3, Vec3};
 use std::sync::Arc;
@@ -13,6 +13,9 @@ pub type FilterHook = Arc<dyn Fn(&PairView) -> bool + Send + Sync>;
 /// Changes the surface of a manifold, or (by returning false) drops it for this step: one-way platforms, conveyors,
 /// slippery spots.
 pub type ContactHook = Arc<dyn Fn(&ContactView, &mut Surface) -> bool + Send + Sync>;
+
+/// Does this particle die? Asked for every particle of an emitter that names the hook, at the end of a step.
+pub type ParticleHook = Arc<dyn Fn(&ParticleView) -> bool + Send + Sync>;
 
 /// Two shapes that might meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +50,20 @@ pub struct ContactView {
 pub(crate) struct Hooks {
     pub filter: Option<(String, FilterHook)>,
     pub contact: Option<(String, ContactHook)>,
+    pub particle: Vec<(String, ParticleHook)>,
+}
+
+impl Hooks {
+    pub fn particle(&self, name: &str) -> Option<ParticleHook> {
+        self.particle.iter().find(|h| h.0 == name).map(|h| h.1.clone())
+    }
 }
 
 impl fmt::Debug for Hooks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names = (self.filter.as_ref().map(|h| &h.0), self.contact.as_ref().map(|h| &h.0));
-        f.debug_tuple("Hooks").field(&names).finish()
+        let particle: Vec<&String> = self.particle.iter().map(|h| &h.0).collect();
+        f.debug_tuple("Hooks").field(&names).field(&particle).finish()
     }
 }
 
@@ -60,6 +71,12 @@ impl crate::World {
     /// Registers (or with `None` removes) the filter hook under a name that recordings keep.
     pub fn set_filter_hook(&mut self, hook: Option<(&str, FilterHook)>) {
         self.hooks.filter = hook.map(|(n, h)| (n.to_owned(), h));
+    }
+    /// Registers (or with `None` removes) a particle hook under a name: emitters ask for it by
+    /// [`crate::EmitterDesc::kill_hook`]. A name that is not registered kills nobody.
+    pub fn set_particle_hook(&mut self, name: &str, hook: Option<ParticleHook>) {
+        self.hooks.particle.retain(|h| h.0 != name);
+        self.hooks.particle.extend(hook.map(|h| (name.to_owned(), h)));
     }
     /// Registers (or with `None` removes) the contact hook under a name that recordings keep.
     pub fn set_contact_hook(&mut self, hook: Option<(&str, ContactHook)>) {

@@ -166,6 +166,10 @@ impl World {
             let b = &mut self.bodies[body];
             if b.kind != BodyKind::Fixed {
                 c.edge[k] = b.contacts.len() as u32;
+                if b.contacts.capacity() == 0 {
+                    // More than a body in a pile has, so that a stirred pile does not go on allocating.
+                    b.contacts.reserve(24);
+                }
                 b.contacts.push(id);
             }
         }

@@ -46,9 +46,9 @@ pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
 pub use debug_draw::{DebugColor, DebugDraw, DebugDrawOptions};
 pub use error::{Error, Result};
 pub use event::Event;
-pub use handle::{BodyId, FieldId, ShapeId};
+pub use handle::{BodyId, EmitterId, FieldId, ShapeId};
 pub use hash::StateHasher;
-pub use hooks::{ContactHook, ContactView, FilterHook, PairView};
+pub use hooks::{ContactHook, ContactView, FilterHook, PairView, ParticleHook};
 pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
 pub use room::contacts::state::Surface;
@@ -57,6 +57,12 @@ pub use room::fields::desc::{
     WATER_VISCOSITY,
 };
 pub use room::fields::state::{FieldHook, FieldView};
+pub use room::particles::desc::{
+    Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Gradient, Heat, HitResponse, ParticleCollision,
+    ParticleSpawn, Turbulence,
+};
+pub use room::particles::presets as particles;
+pub use room::particles::view::{EmitterRef, ParticleSlices, ParticleView};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use settings::{Settings, WorldDesc};
 pub use step::{Stage, StageHashes, StageObserver};
@@ -71,8 +77,9 @@ pub use jounce_tasks as tasks;
 /// What most programs need.
 pub mod prelude {
     pub use crate::{
-        Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, Event, Explosion, FieldDesc, FieldId,
-        FieldLaw, Filter, Material, QueryFilter, Ray, Region, ShapeDesc, ShapeId, World, WorldDesc,
+        Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, EmitterDesc, EmitterId, EmitterShape,
+        Event, Explosion, FieldDesc, FieldId, FieldLaw, Filter, Material, ParticleCollision, QueryFilter,
+        Ray, Region, ShapeDesc, ShapeId, World, WorldDesc,
     };
     pub use jounce_geometry::Shape;
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};

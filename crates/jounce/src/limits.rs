@@ -7,8 +7,12 @@ pub const BODIES_MAX: usize = 1 << 22;
 pub const SHAPES_MAX: usize = 1 << 23;
 /// Most shapes on one body.
 pub const SHAPES_PER_BODY_MAX: usize = 1 << 16;
-/// Most shape pairs whose bounds overlap.
-pub const CONTACTS_MAX: usize = 1 << 24;
+/// Most shape pairs whose bounds overlap. A pair that touches takes about 1.5 KB with its solver row, so that all together take
+/// 3 to 4 GB; pairs beyond are left out.
+pub const CONTACTS_MAX: usize = 1 << 21;
+/// Most new pairs that 32 shapes may find in one step where [`CONTACTS_MAX`] shared out among all that moved gives them less; the
+/// rest of them is found in the steps after it.
+pub const FOUND_PAIRS_MAX: usize = 1 << 12;
 /// Farthest coordinate, metres; a body beyond it is quarantined.
 pub const POSITION_MAX: f64 = 1e9;
 /// Fastest speed accepted at the door, m/s (steps clamp to `Settings::linear_speed_max`).
@@ -31,6 +35,26 @@ pub const IMPACT_ROUNDS_MAX: usize = 256;
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.
 pub const N_BODY_MAX: usize = 1 << 14;
+/// Most emitters in a world.
+pub const EMITTERS_MAX: usize = 1 << 14;
+/// Most particles in a world.
+pub const PARTICLES_MAX: usize = 1 << 22;
+/// Most particles that an emitter bears by rate, 1/s.
+pub const EMITTER_RATE_MAX: f64 = 1e7;
+/// Largest mass of a particle, kg.
+pub const PARTICLE_MASS_MAX: f32 = 1e6;
+/// Most bursts of an emitter.
+pub const BURSTS_MAX: usize = 16;
+/// Most keys of a curve over a particle's life.
+pub const CURVE_KEYS_MAX: usize = 8;
+/// Most hits of one particle in one step.
+pub const PARTICLE_BOUNCES_MAX: usize = 4;
+/// Most shapes that a block of 64 particles looks at in one step.
+pub const PARTICLE_OBSTACLES_MAX: usize = 64;
+/// Most steps of Newton's method for one particle and shape.
+pub const PARTICLE_SWEEP_ITERATIONS_MAX: usize = 16;
+/// Most hits of particles that a step reports.
+pub const PARTICLE_HIT_EVENTS_MAX: usize = 256;
 /// Most passes of restitution at the end of a step.
 pub const RESTITUTION_PASSES_MAX: usize = 64;
 /// Most commands in the queue.

@@ -33,6 +33,8 @@ pub enum Stage {
     Guard,
     /// Continuous collision.
     Continuous,
+    /// Births, motion and hits of particles.
+    Particles,
     /// Islands at rest.
     Sleep,
     /// Bounds, sensors, hits.
@@ -41,7 +43,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Commands,
         Self::Forces,
         Self::BroadPhase,
@@ -53,6 +55,7 @@ impl Stage {
         Self::Finish,
         Self::Guard,
         Self::Continuous,
+        Self::Particles,
         Self::Sleep,
         Self::Publish,
     ];
@@ -70,6 +73,7 @@ impl Stage {
             "finish",
             "guard",
             "continuous",
+            "particles",
             "sleep",
             "publish",
         ][self as usize]
@@ -178,7 +182,7 @@ impl World {
 
 type Run = fn(&mut World, &Step);
 
-const STAGES: [(Stage, Run); 13] = [
+const STAGES: [(Stage, Run); 14] = [
     (Stage::Commands, commands::run),
     (Stage::Forces, forces::run),
     (Stage::BroadPhase, broadphase::run),
@@ -190,6 +194,7 @@ const STAGES: [(Stage, Run); 13] = [
     (Stage::Finish, substep::finish),
     (Stage::Guard, guard::run),
     (Stage::Continuous, continuous::run),
+    (Stage::Particles, particles::run),
     (Stage::Sleep, sleep::run),
     (Stage::Publish, publish::run),
 ];

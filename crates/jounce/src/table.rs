@@ -67,6 +67,10 @@ impl<T> Table<T> {
     pub fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
         self.entries.iter().enumerate().filter_map(|(i, e)| e.value.as_ref().map(|v| (i as u32, v)))
     }
+    /// Live values in slot order, to change.
+    pub fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.entries.iter_mut().filter_map(|e| e.value.as_mut())
+    }
     /// What the next handles depend on: the free list and the generations.
     pub fn allocator_words(&self) -> impl Iterator<Item = u32> + '_ {
         self.free.iter().copied().chain(self.entries.iter().map(|e| e.generation))

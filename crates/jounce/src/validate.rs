@@ -54,6 +54,15 @@ impl World {
             }
         }
         assert_eq!(self.pairs.len(), self.contacts.len() + self.asleep_contacts.len());
+        let mut particles = 0;
+        for (slot, e) in self.particles.emitters.iter() {
+            let blocks = e.blocks.iter().map(|&i| &self.particles.pool[i as usize]);
+            let sum: usize = blocks.clone().map(|b| b.count).sum();
+            assert_eq!(e.count, sum, "particles of emitter {slot}");
+            assert!(blocks.clone().all(|b| b.emitter == slot && b.births == 0), "blocks of emitter {slot}");
+            particles += sum;
+        }
+        assert_eq!(self.particles.count, particles, "particles of all emitters");
         for (island, bodies) in self.islands.iter() {
             for &b in bodies {
                 assert_eq!(self.bodies[b].island, island, "island of body {b}");

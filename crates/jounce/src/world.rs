@@ -3,10 +3,11 @@
 use crate::command::{Command, Output};
 use crate::error::{Error, Result};
 use crate::event::Event;
-use crate::handle::{BodyId, FieldId, ShapeId};
+use crate::handle::{BodyId, EmitterId, FieldId, ShapeId};
 use crate::hooks::Hooks;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
 use crate::room::fields::state::Fields;
+use crate::room::particles::state::Particles;
 use crate::room::rigid::state::{Awake, Body, BodyFrame, NONE};
 use crate::settings::{Settings, WorldDesc};
 use crate::stage::Scratch;
@@ -53,6 +54,7 @@ pub struct World {
     pub(crate) asleep_contacts: Vec<Contact>,
 
     pub(crate) fields: Fields,
+    pub(crate) particles: Particles,
 
     /// What happened since the last step ended (edits), then in the step being made; told as it ends.
     pub(crate) events: Vec<Event>,
@@ -142,6 +144,10 @@ pub struct Counts {
     pub colors: usize,
     /// Solver rows that found no colour in the last step.
     pub overflow: usize,
+    /// Emitters.
+    pub emitters: usize,
+    /// Particles of all emitters.
+    pub particles: usize,
 }
 
 /// What [`World::advance`] did.
@@ -186,6 +192,7 @@ impl World {
             contacts: Vec::new(),
             asleep_contacts: Vec::new(),
             fields: Fields::default(),
+            particles: Particles::default(),
             events: Vec::new(),
             told: Told::default(),
             queue: Vec::new(),
@@ -287,6 +294,8 @@ impl World {
             islands_asleep: self.islands.len(),
             colors: self.scratch.colors_used(),
             overflow: self.scratch.overflow_rows(),
+            emitters: self.particles.emitters.len(),
+            particles: self.particles.count,
         }
     }
     /// Energy of the dynamic bodies.
@@ -382,10 +391,21 @@ impl World {
             _ => Err(Error::Unsupported { what: "add_field", advice: "expected a field" }),
         }
     }
+    /// Adds an emitter of particles.
+    ///
+    /// # Errors
+    /// A stale handle or a description out of range, named.
+    pub fn add_emitter(&mut self, desc: EmitterDesc) -> Result<EmitterId> {
+        match self.apply(Command::AddEmitter(Box::new(desc)))? {
+            Output::Emitter(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_emitter", advice: "expected an emitter" }),
+        }
+    }
 }
 
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
+use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use jounce_geometry::{MassProperties, Shape};
 
@@ -470,6 +490,18 @@ sugar! {
     set_field(field: FieldId, desc: FieldDesc) => Command::SetField(field, Box::new(desc));
     /// Lets off a blast: one impulse on everything near.
     explode(explosion: Explosion) => Command::Explode(explosion);
+    /// Removes an emitter with its particles.
+    remove_emitter(emitter: EmitterId) => Command::RemoveEmitter(emitter);
+    /// Replaces an emitter's description; its particles stay, and its clock goes on.
+    set_emitter(emitter: EmitterId, desc: EmitterDesc) => Command::SetEmitter(emitter, Box::new(desc));
+    /// Stops an emitter's births and its clock, or lets them go on.
+    set_emitter_enabled(emitter: EmitterId, enabled: bool) => Command::SetEmitterEnabled(emitter, enabled);
+    /// So many births at once.
+    emit_burst(emitter: EmitterId, count: u32) => Command::EmitBurst(emitter, count);
+    /// Adds particles as given.
+    emit_particles(emitter: EmitterId, spawns: Vec<ParticleSpawn>) => Command::EmitParticles(emitter, spawns);
+    /// Removes all particles of an emitter, or (`None`) of all.
+    clear_particles(emitter: Option<EmitterId>) => Command::ClearParticles(emitter);
     /// Sets the world's gravity, m/s².
     set_gravity(gravity: Vec3) => Command::SetGravity(gravity);
     /// Sets the solver's constants.

@@ -88,6 +88,11 @@ fn world() -> World {
         let at = [f64::from(i) - 4.0, -4.0, 0.3];
         add(BodyDesc::dynamic().at(at).rotated(rng.quat()).shape(ShapeDesc::cuboid([0.6, 0.2, 0.5])));
     }
+    let turbulence = jounce::Turbulence { speed: 1.0, size: 0.5, time_s: 0.5, seed: 1 };
+    let c = ParticleCollision { hit_events: true, ..ParticleCollision::default() };
+    let d =
+        EmitterDesc::new().at([0.0, 0.0, 0.5]).rate(2000.0).spread(2.0).lifetime(0.5, 2.0).linear_drag(0.3);
+    world.add_emitter(d.turbulence(turbulence).collision(c)).expect("valid");
     world
 }
 

@@ -61,7 +61,9 @@ fn layers_choose_who_feels_a_field() {
     w.add_field(FieldDesc::new(FieldLaw::Uniform { acceleration: Vec3::X }).on_layers(2)).unwrap();
     let on = |layers| {
         let filter = Filter { layers, ..Filter::default() };
-        BodyDesc::dynamic().at([0.0, f64::from(layers) * 5.0, 0.0]).shape(ShapeDesc::sphere(0.5).filter(filter))
+        BodyDesc::dynamic()
+            .at([0.0, f64::from(layers) * 5.0, 0.0])
+            .shape(ShapeDesc::sphere(0.5).filter(filter))
     };
     let (a, b) = (w.add_body(on(1)).unwrap(), w.add_body(on(2)).unwrap());
     run(&mut w, 1.0);
@@ -296,7 +298,10 @@ fn bad_descriptions_are_refused_by_name() {
         FieldLaw::Point { center: DVec3::ZERO, mu: f64::NAN, softening: 0.0 },
         FieldLaw::Point { center: DVec3::ZERO, mu: 1.0, softening: -1.0 },
         FieldLaw::Wind { velocity: Vec3::splat(1e9), gust: None },
-        FieldLaw::Wind { velocity: Vec3::ZERO, gust: Some(Gust { speed: 1.0, size: 0.0, time_s: 1.0, seed: 0 }) },
+        FieldLaw::Wind {
+            velocity: Vec3::ZERO,
+            gust: Some(Gust { speed: 1.0, size: 0.0, time_s: 1.0, seed: 0 }),
+        },
         FieldLaw::Drag { density: -1.0, viscosity: 0.0 },
         FieldLaw::Drag { density: nan, viscosity: 0.0 },
         FieldLaw::Vortex {

@@ -1,8 +1,8 @@
 //! Lanes without instructions for them: the reference that the others are tested against.
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Lanes, Mask, sealed};
+use crate::{Bits, Lanes, Mask, sealed};
 
 /// `N` floats, treated one after another.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +12,12 @@ pub struct Array<const N: usize>([f32; N]);
 #[derive(Clone, Copy, Debug)]
 pub struct ArrayMask<const N: usize>([bool; N]);
 
+/// `N` words.
+#[derive(Clone, Copy, Debug)]
+pub struct ArrayBits<const N: usize>([u32; N]);
+
 impl<const N: usize> sealed::Sealed for Array<N> {}
+impl<const N: usize> sealed::Sealed for ArrayBits<N> {}
 impl<const N: usize> sealed::Sealed for ArrayMask<N> {}
 
 macro_rules! each {
@@ -85,8 +90,47 @@ impl<const N: usize> Mask for ArrayMask<N> {
     }
 }
 
+macro_rules! bit_operators {
+    ($($trait:ident $f:ident $op:ident),*) => {$(
+        impl<const N: usize> $trait for ArrayBits<N> {
+            type Output = Self;
+            #[inline(always)]
+            fn $f(self, other: Self) -> Self {
+                each!(ArrayBits, i, 0, self.0[i].$op(other.0[i]))
+            }
+        }
+    )*};
+}
+bit_operators!(Add add wrapping_add, Mul mul wrapping_mul, BitXor bitxor bitxor);
+
+impl<const N: usize> Bits for ArrayBits<N> {
+    type Floats = Array<N>;
+
+    #[inline(always)]
+    fn splat(x: u32) -> Self {
+        Self([x; N])
+    }
+    #[inline(always)]
+    fn shl<const S: u32>(self) -> Self {
+        each!(ArrayBits, i, 0, self.0[i] << S)
+    }
+    #[inline(always)]
+    fn shr<const S: u32>(self) -> Self {
+        each!(ArrayBits, i, 0, self.0[i] >> S)
+    }
+    #[inline(always)]
+    fn as_floats(self) -> Array<N> {
+        each!(Array, i, 0.0, f32::from_bits(self.0[i]))
+    }
+    #[inline(always)]
+    fn signed_to_floats(self) -> Array<N> {
+        each!(Array, i, 0.0, self.0[i] as i32 as f32)
+    }
+}
+
 impl<const N: usize> Lanes for Array<N> {
     type Mask = ArrayMask<N>;
+    type Bits = ArrayBits<N>;
     const WIDTH: usize = N;
 
     #[inline(always)]
@@ -133,5 +177,9 @@ impl<const N: usize> Lanes for Array<N> {
     #[inline(always)]
     fn select(mask: ArrayMask<N>, yes: Self, no: Self) -> Self {
         each!(Array, i, 0.0, if mask.0[i] { yes.0[i] } else { no.0[i] })
+    }
+    #[inline(always)]
+    fn to_bits(self) -> ArrayBits<N> {
+        each!(ArrayBits, i, 0, self.0[i].to_bits())
     }
 }

@@ -43,9 +43,9 @@ mod width;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-pub use array::{Array, ArrayMask};
+pub use array::{Array, ArrayBits, ArrayMask};
 pub use width::Width;
 
 /// The widest width; every width divides it.
@@ -71,6 +71,25 @@ pub trait Mask:
     fn all(self) -> bool;
 }
 
+/// `u32`s, one per lane; arithmetic wraps.
+pub trait Bits:
+    Copy + Add<Output = Self> + Mul<Output = Self> + BitXor<Output = Self> + sealed::Sealed
+{
+    /// The floats of as many lanes.
+    type Floats: Lanes<Bits = Self>;
+
+    /// `x` in every lane.
+    fn splat(x: u32) -> Self;
+    /// Shifted to the left by `N` < 32 bits.
+    fn shl<const N: u32>(self) -> Self;
+    /// Shifted to the right by `N` < 32 bits; zeros come in.
+    fn shr<const N: u32>(self) -> Self;
+    /// The floats with these bits.
+    fn as_floats(self) -> Self::Floats;
+    /// The value as an `i32`, rounded to the nearest float (ties to even).
+    fn signed_to_floats(self) -> Self::Floats;
+}
+
 /// `WIDTH` floats, and operations on each of them.
 pub trait Lanes:
     Copy
@@ -83,6 +102,8 @@ pub trait Lanes:
 {
     /// What comparisons give.
     type Mask: Mask;
+    /// As many `u32`: for hashes.
+    type Bits: Bits<Floats = Self>;
     /// Number of lanes: 1, 4, 8 or 16.
     const WIDTH: usize;
 
@@ -114,6 +135,8 @@ pub trait Lanes:
     fn eq(self, other: Self) -> Self::Mask;
     /// Lanes of `yes` where the mask is true, of `no` where it is false.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// The bits of each float.
+    fn to_bits(self) -> Self::Bits;
 
     /// `self > other`.
     #[inline(always)]

@@ -3,16 +3,20 @@
 //! `FMIN` and `FMAX` are IEEE 754's minimum and maximum, not compare-and-select; hence the explicit selection.
 
 use std::arch::aarch64::*;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Lanes, Mask, sealed};
+use crate::{Bits, Lanes, Mask, sealed};
 
 #[derive(Clone, Copy)]
 pub(crate) struct F32x4(float32x4_t);
 #[derive(Clone, Copy)]
 pub(crate) struct Mask4(uint32x4_t);
 
+#[derive(Clone, Copy)]
+pub(crate) struct U32x4(uint32x4_t);
+
 impl sealed::Sealed for F32x4 {}
+impl sealed::Sealed for U32x4 {}
 impl sealed::Sealed for Mask4 {}
 
 macro_rules! operators {
@@ -28,7 +32,8 @@ macro_rules! operators {
     )*};
 }
 operators!(F32x4 Add add vaddq_f32, F32x4 Sub sub vsubq_f32, F32x4 Mul mul vmulq_f32, F32x4 Div div vdivq_f32,
-    Mask4 BitAnd bitand vandq_u32, Mask4 BitOr bitor vorrq_u32);
+    Mask4 BitAnd bitand vandq_u32, Mask4 BitOr bitor vorrq_u32,
+    U32x4 Add add vaddq_u32, U32x4 Mul mul vmulq_u32, U32x4 BitXor bitxor veorq_u32);
 
 impl Neg for F32x4 {
     type Output = Self;
@@ -60,8 +65,46 @@ impl Mask for Mask4 {
     }
 }
 
+impl Bits for U32x4 {
+    type Floats = F32x4;
+
+    #[inline(always)]
+    fn splat(x: u32) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vdupq_n_u32(x) })
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vshlq_u32(self.0, vdupq_n_s32(N as i32)) })
+    }
+    /// To the left by a negative number.
+    #[inline(always)]
+    fn shr<const N: u32>(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vshlq_u32(self.0, vdupq_n_s32(-(N as i32))) })
+    }
+    #[inline(always)]
+    fn as_floats(self) -> F32x4 {
+        // SAFETY: NEON is part of the target's baseline.
+        F32x4(unsafe { vreinterpretq_f32_u32(self.0) })
+    }
+    #[inline(always)]
+    fn signed_to_floats(self) -> F32x4 {
+        // SAFETY: NEON is part of the target's baseline.
+        F32x4(unsafe { vcvtq_f32_s32(vreinterpretq_s32_u32(self.0)) })
+    }
+}
+
 impl Lanes for F32x4 {
     type Mask = Mask4;
+    type Bits = U32x4;
+
+    #[inline(always)]
+    fn to_bits(self) -> U32x4 {
+        // SAFETY: NEON is part of the target's baseline.
+        U32x4(unsafe { vreinterpretq_u32_f32(self.0) })
+    }
     const WIDTH: usize = 4;
 
     #[inline(always)]

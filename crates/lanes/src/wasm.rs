@@ -3,16 +3,20 @@
 //! `f32x4_pmin(a, b)` is `if b < a { b } else { a }`: compare-and-select with the operands exchanged.
 
 use std::arch::wasm32::*;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Lanes, Mask, sealed};
+use crate::{Bits, Lanes, Mask, sealed};
 
 #[derive(Clone, Copy)]
 pub(crate) struct F32x4(v128);
 #[derive(Clone, Copy)]
 pub(crate) struct Mask4(v128);
 
+#[derive(Clone, Copy)]
+pub(crate) struct U32x4(v128);
+
 impl sealed::Sealed for F32x4 {}
+impl sealed::Sealed for U32x4 {}
 impl sealed::Sealed for Mask4 {}
 
 macro_rules! operators {
@@ -27,7 +31,8 @@ macro_rules! operators {
     )*};
 }
 operators!(F32x4 Add add f32x4_add, F32x4 Sub sub f32x4_sub, F32x4 Mul mul f32x4_mul, F32x4 Div div f32x4_div,
-    Mask4 BitAnd bitand v128_and, Mask4 BitOr bitor v128_or);
+    Mask4 BitAnd bitand v128_and, Mask4 BitOr bitor v128_or,
+    U32x4 Add add u32x4_add, U32x4 Mul mul u32x4_mul, U32x4 BitXor bitxor v128_xor);
 
 impl Neg for F32x4 {
     type Output = Self;
@@ -56,8 +61,39 @@ impl Mask for Mask4 {
     }
 }
 
+impl Bits for U32x4 {
+    type Floats = F32x4;
+
+    #[inline(always)]
+    fn splat(x: u32) -> Self {
+        Self(u32x4_splat(x))
+    }
+    #[inline(always)]
+    fn shl<const N: u32>(self) -> Self {
+        Self(u32x4_shl(self.0, N))
+    }
+    #[inline(always)]
+    fn shr<const N: u32>(self) -> Self {
+        Self(u32x4_shr(self.0, N))
+    }
+    #[inline(always)]
+    fn as_floats(self) -> F32x4 {
+        F32x4(self.0)
+    }
+    #[inline(always)]
+    fn signed_to_floats(self) -> F32x4 {
+        F32x4(f32x4_convert_i32x4(self.0))
+    }
+}
+
 impl Lanes for F32x4 {
     type Mask = Mask4;
+    type Bits = U32x4;
+
+    #[inline(always)]
+    fn to_bits(self) -> U32x4 {
+        U32x4(self.0)
+    }
     const WIDTH: usize = 4;
 
     #[inline(always)]

@@ -7,9 +7,9 @@
 //! code that is not inlined into the entry point is slower and the same.
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Kernel, Lanes, Mask, sealed};
+use crate::{Bits, Kernel, Lanes, Mask, sealed};
 
 pub(crate) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2")
@@ -45,6 +45,12 @@ pub(crate) struct Mask8(__m256);
 pub(crate) struct F32x16(__m512);
 #[derive(Clone, Copy)]
 pub(crate) struct Mask16(__mmask16);
+#[derive(Clone, Copy)]
+pub(crate) struct U32x4(__m128i);
+#[derive(Clone, Copy)]
+pub(crate) struct U32x8(__m256i);
+#[derive(Clone, Copy)]
+pub(crate) struct U32x16(__m512i);
 
 macro_rules! operators {
     ($type:ident, $set1:ident, $xor:expr, $($trait:ident $f:ident $op:ident),*) => {
@@ -175,6 +181,118 @@ impl Mask for Mask16 {
     }
 }
 
+macro_rules! bits {
+    ($type:ident, $floats:ident, $set1:ident, $shl:expr, $shr:expr, $cast:ident, $convert:ident, $mul:ident,
+        $add:ident, $xor:ident) => {
+        impl sealed::Sealed for $type {}
+        impl Add for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $add(self.0, other.0) })
+            }
+        }
+        impl Mul for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $mul(self.0, other.0) })
+            }
+        }
+        impl BitXor for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn bitxor(self, other: Self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $xor(self.0, other.0) })
+            }
+        }
+        impl Bits for $type {
+            type Floats = $floats;
+
+            #[inline(always)]
+            fn splat(x: u32) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $set1(x as i32) })
+            }
+            #[inline(always)]
+            fn shl<const N: u32>(self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $shl(self.0, _mm_cvtsi32_si128(N as i32)) })
+            }
+            #[inline(always)]
+            fn shr<const N: u32>(self) -> Self {
+                // SAFETY: the machine has the instructions (see the header).
+                Self(unsafe { $shr(self.0, _mm_cvtsi32_si128(N as i32)) })
+            }
+            #[inline(always)]
+            fn as_floats(self) -> $floats {
+                // SAFETY: the machine has the instructions (see the header).
+                $floats(unsafe { $cast(self.0) })
+            }
+            #[inline(always)]
+            fn signed_to_floats(self) -> $floats {
+                // SAFETY: the machine has the instructions (see the header).
+                $floats(unsafe { $convert(self.0) })
+            }
+        }
+    };
+}
+// Shifts by a register that holds a constant: the compiler makes the immediate form of them.
+bits!(
+    U32x4,
+    F32x4,
+    _mm_set1_epi32,
+    _mm_sll_epi32,
+    _mm_srl_epi32,
+    _mm_castsi128_ps,
+    _mm_cvtepi32_ps,
+    mul4,
+    _mm_add_epi32,
+    _mm_xor_si128
+);
+bits!(
+    U32x8,
+    F32x8,
+    _mm256_set1_epi32,
+    _mm256_sll_epi32,
+    _mm256_srl_epi32,
+    _mm256_castsi256_ps,
+    _mm256_cvtepi32_ps,
+    _mm256_mullo_epi32,
+    _mm256_add_epi32,
+    _mm256_xor_si256
+);
+bits!(
+    U32x16,
+    F32x16,
+    _mm512_set1_epi32,
+    _mm512_sll_epi32,
+    _mm512_srl_epi32,
+    _mm512_castsi512_ps,
+    _mm512_cvtepi32_ps,
+    _mm512_mullo_epi32,
+    _mm512_add_epi32,
+    _mm512_xor_si512
+);
+
+/// The low halves of the four products; SSE2 multiplies two at a time. ([`_mm_mullo_epi32`] is SSE4.1's.)
+///
+/// # Safety
+/// The machine has SSE2.
+#[inline(always)]
+unsafe fn mul4(a: __m128i, b: __m128i) -> __m128i {
+    // SAFETY: promised by the caller.
+    unsafe {
+        let even = _mm_mul_epu32(a, b);
+        let odd = _mm_mul_epu32(_mm_srli_epi64::<32>(a), _mm_srli_epi64::<32>(b));
+        const LOW: i32 = 0b00_00_10_00;
+        _mm_unpacklo_epi32(_mm_shuffle_epi32::<LOW>(even), _mm_shuffle_epi32::<LOW>(odd))
+    }
+}
+
 /// What is spelt alike for the three sets. `MINPS` and `MAXPS` give their second operand for NaN and for two zeros,
 /// which is compare-and-select.
 macro_rules! common {
@@ -218,6 +336,13 @@ macro_rules! common {
 
 impl Lanes for F32x4 {
     type Mask = Mask4;
+    type Bits = U32x4;
+
+    #[inline(always)]
+    fn to_bits(self) -> U32x4 {
+        // SAFETY: the machine has the instructions (see the header).
+        U32x4(unsafe { _mm_castps_si128(self.0) })
+    }
     common!(4, _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps);
 
     #[inline(always)]
@@ -276,6 +401,13 @@ impl Lanes for F32x4 {
 
 impl Lanes for F32x8 {
     type Mask = Mask8;
+    type Bits = U32x8;
+
+    #[inline(always)]
+    fn to_bits(self) -> U32x8 {
+        // SAFETY: the machine has the instructions (see the header).
+        U32x8(unsafe { _mm256_castps_si256(self.0) })
+    }
     common!(
         8,
         _mm256_set1_ps,
@@ -334,6 +466,13 @@ impl Lanes for F32x8 {
 
 impl Lanes for F32x16 {
     type Mask = Mask16;
+    type Bits = U32x16;
+
+    #[inline(always)]
+    fn to_bits(self) -> U32x16 {
+        // SAFETY: the machine has the instructions (see the header).
+        U32x16(unsafe { _mm512_castps_si512(self.0) })
+    }
     common!(
         16,
         _mm512_set1_ps,

@@ -1,7 +1,7 @@
 //! Each operation gives the same bits in every width, on instructions and on arrays, as scalar code.
 //! On 1e6 pairs of random bit patterns, and with `JOUNCE_PROVE=1` on 1e8.
 
-use jounce_lanes::{Kernel, LANES_MAX, Lanes, Mask, Width, dispatch, dispatch_arrays};
+use jounce_lanes::{Bits, Kernel, LANES_MAX, Lanes, Mask, Width, dispatch, dispatch_arrays};
 
 /// Where implementations tend to differ: signed zeros, the ends of the subnormals, infinities, quiet and signalling NaN.
 const SPECIAL: [u32; 24] = [
@@ -54,8 +54,29 @@ impl Random {
 }
 
 const ARITHMETIC: [&str; 5] = ["+", "-", "*", "/", "sqrt"];
-const EXACT: [&str; 14] =
-    ["neg", "abs", "min", "max", "lt", "le", "eq", "gt", "ge", "and", "or", "not", "splat", "copy"];
+const EXACT: [&str; 21] = [
+    "neg",
+    "abs",
+    "min",
+    "max",
+    "lt",
+    "le",
+    "eq",
+    "gt",
+    "ge",
+    "and",
+    "or",
+    "not",
+    "splat",
+    "copy",
+    "bits +",
+    "bits *",
+    "bits ^",
+    "<<",
+    ">>",
+    "bits splat",
+    "signed",
+];
 const OPS: usize = ARITHMETIC.len() + EXACT.len();
 
 fn name(op: usize) -> &'static str {
@@ -97,6 +118,13 @@ impl Kernel for Apply<'_> {
                 pick(!a.lt(b)),
                 L::splat(self.a[0]),
                 a,
+                (a.to_bits() + b.to_bits()).as_floats(),
+                (a.to_bits() * b.to_bits()).as_floats(),
+                (a.to_bits() ^ b.to_bits()).as_floats(),
+                a.to_bits().shl::<13>().as_floats(),
+                a.to_bits().shr::<9>().as_floats(),
+                L::Bits::splat(self.a[0].to_bits()).as_floats(),
+                a.to_bits().signed_to_floats(),
             ];
             for (out, result) in out.iter_mut().zip(results) {
                 result.store(&mut out[first..]);
@@ -130,6 +158,13 @@ fn scalar(a: f32, b: f32, first: f32) -> [f32; OPS] {
         pick(!less),
         first,
         a,
+        f32::from_bits(a.to_bits().wrapping_add(b.to_bits())),
+        f32::from_bits(a.to_bits().wrapping_mul(b.to_bits())),
+        f32::from_bits(a.to_bits() ^ b.to_bits()),
+        f32::from_bits(a.to_bits() << 13),
+        f32::from_bits(a.to_bits() >> 9),
+        first,
+        a.to_bits() as i32 as f32,
     ]
 }
 

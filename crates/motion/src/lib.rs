@@ -8,4 +8,19 @@
 //! transcendentals of [`jounce_math::scalar`]: the same bits on every machine.
 #![forbid(unsafe_code)]
 
+pub mod ballistics;
+pub mod cloth;
+pub mod collide;
+mod error;
 pub mod force;
+pub mod integrate;
+pub mod jelly;
+pub mod kinematics;
+pub mod limits;
+pub mod momentum;
+pub mod nbody;
+mod octree;
+pub mod particles;
+pub mod springs;
+
+pub use error::{Error, Result};

@@ -1,6 +1,8 @@
 //! Pictures of a world, made by casting rays at it with the engine's own queries; films and plots.
 //!
 //! * [`render()`]: a [`Camera`], a world (as a [`Stage`]; any [`Tracer`]) and an [`Overlay`] give an [`Image`].
+//! * [`render_with()`] also draws [`Extras`]: particles, smoke, fire, springs, trails, cloth.
+//! * [`Trails`]: where moving points have been.
 //! * [`Image`]: pixels, and PNG files; [`Film`]: animated GIFs.
 //! * [`Plot`]: curves over time as SVG or as an [`Image`].
 //!
@@ -9,6 +11,7 @@
 
 mod camera;
 mod error;
+mod extras;
 mod film;
 mod image;
 mod look;
@@ -18,18 +21,21 @@ mod plot;
 mod render;
 mod text;
 mod tracer;
+mod trails;
 mod world;
 
 pub use camera::Camera;
 pub use error::{RenderError, Result};
+pub use extras::{Ball, Extras, Face, Rod};
 pub use film::Film;
 pub use image::{Image, SIDE_MAX, write_whole};
 pub use look::{Look, PALETTE, Pattern, Skin, palette, srgb};
 pub use overlay::{Dot, Line, Overlay};
 pub use plot::{Plot, Series, Style};
-pub use render::{RenderOptions, render};
+pub use render::{RenderOptions, render, render_with};
 pub use text::draw as draw_text;
 pub use tracer::{Hit, Tracer};
+pub use trails::Trails;
 pub use world::{Paint, Stage, contact_overlay, default_skin, sensor_overlay};
 
 #[cfg(test)]

@@ -143,10 +143,25 @@ impl Look {
             }
             c += SUN * (h * skin.gloss * 0.30 * s.sun * self.sun_strength);
         }
-        let x = s.t / haze_distance;
-        let haze = 1.0 - 1.0 / (1.0 + x * x);
-        let level = Vec3::new(s.dir.x, f32s::max(s.dir.y, 0.0), s.dir.z);
-        c.lerp(self.sky(level), haze)
+        c.lerp(self.haze_color(s.dir), Self::haze(s.t, haze_distance))
+    }
+
+    /// Part of a surface at distance `t` that is lost in the haze.
+    pub(crate) fn haze(t: f32, haze_distance: f32) -> f32 {
+        let x = t / haze_distance;
+        1.0 - 1.0 / (1.0 + x * x)
+    }
+
+    /// Colour of the haze in a direction.
+    pub(crate) fn haze_color(&self, dir: Vec3) -> Vec3 {
+        self.sky(Vec3::new(dir.x, f32s::max(dir.y, 0.0), dir.z))
+    }
+
+    /// Light of a translucent thing of this colour that sees these parts of the sun and the sky: from all around, and
+    /// from the sun if turned to it.
+    pub(crate) fn dim_light(&self, color: Vec3, sun: f32, open: f32) -> (Vec3, Vec3) {
+        let around = GROUND_LIGHT.lerp(SKY_LIGHT, 0.65) * open;
+        (color.mul(around), color.mul(SUN * (sun * self.sun_strength)))
     }
 
     /// Linear light to display values 0…1, still linear.

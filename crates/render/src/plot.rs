@@ -3,8 +3,12 @@
 use crate::error::{RenderError, Result, encode};
 use crate::image::Image;
 use crate::text;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use plotters::style::{FontStyle, register_font};
+use std::ops::Range;
 use std::sync::Once;
 
 /// How a series is drawn.
@@ -22,12 +26,14 @@ pub enum Style {
 /// One curve.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
-    /// Name in the legend.
+    /// Name in the legend; without one it is not there.
     pub name: String,
     /// x, y. A point that is not finite breaks the line.
     pub points: Vec<[f64; 2]>,
     /// Look.
     pub style: Style,
+    /// Which of the colours; by default each series has its own.
+    pub color: Option<usize>,
 }
 
 /// A diagram.
@@ -45,6 +51,8 @@ pub struct Plot {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// The y axis is logarithmic; points that are not above 0 break the line.
+    pub log_y: bool,
 }
 
 impl Default for Plot {
@@ -56,12 +64,18 @@ impl Default for Plot {
             series: Vec::new(),
             width: 960,
             height: 540,
+            log_y: false,
         }
     }
 }
 
 /// Colours of curves, told apart also by the colour-blind (after Okabe and Ito 2008).
 const COLORS: [u32; 8] = [0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE69F00, 0x5B5B5B, 0x8C6BB1];
+
+/// Pictures of more pixels are drawn without smoothing.
+const FINE_PIXELS_MAX: u32 = 4_000_000;
+
+const INK: RGBColor = RGBColor(40, 48, 60);
 
 fn color(i: usize) -> RGBColor {
     let c = COLORS[i % COLORS.len()];
@@ -75,7 +89,7 @@ impl Plot {
     /// Nothing to draw, or a size that no picture can have.
     pub fn svg(&self) -> Result<String> {
         let mut out = String::new();
-        self.draw(&SVGBackend::with_string(&mut out, self.size()?).into_drawing_area())?;
+        self.draw(&SVGBackend::with_string(&mut out, self.size()?).into_drawing_area(), 1)?;
         Ok(out)
     }
 
@@ -85,12 +99,24 @@ impl Plot {
     /// As [`Plot::svg`].
     pub fn image(&self) -> Result<Image> {
         let (w, h) = self.size()?;
-        let mut bytes = vec![255_u8; w as usize * h as usize * 3];
+        // Drawn three times as large and averaged: the library's own lines have stairs.
+        let s = if w * h <= FINE_PIXELS_MAX { 3 } else { 1 };
+        let mut bytes = vec![255_u8; (w * s) as usize * (h * s) as usize * 3];
         {
-            let area = BitMapBackend::with_buffer(&mut bytes, (w, h)).into_drawing_area();
-            self.draw(&area)?;
+            let area = BitMapBackend::with_buffer(&mut bytes, (w * s, h * s)).into_drawing_area();
+            self.draw(&area, s)?;
         }
-        Image::from_pixels(w, h, bytes.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect())
+        let row = (w * s * 3) as usize;
+        let s = s as usize;
+        let mean = |x: usize, y: usize, k: usize| {
+            let cells = (0..s).flat_map(|j| (0..s).map(move |i| (i, j)));
+            let sum: usize =
+                cells.map(|(i, j)| usize::from(bytes[(y * s + j) * row + (x * s + i) * 3 + k])).sum();
+            ((sum + s * s / 2) / (s * s)) as u8
+        };
+        let (columns, lines) = (w as usize, h as usize);
+        let pixels = (0..lines).flat_map(|y| (0..columns).map(move |x| (x, y)));
+        Image::from_pixels(w, h, pixels.map(|(x, y)| [0, 1, 2].map(|k| mean(x, y, k))).collect())
     }
 
     fn size(&self) -> Result<(u32, u32)> {
@@ -104,17 +130,33 @@ impl Plot {
         })
     }
 
-    /// Range of the finite values of a coordinate, widened by `margin` of itself.
-    fn range(&self, axis: usize, margin: f64) -> Result<std::ops::Range<f64>> {
+    /// Can a point be drawn?
+    fn fits(&self, p: &[f64; 2]) -> bool {
+        p[0].is_finite() && p[1].is_finite() && (p[1] > 0.0 || !self.log_y)
+    }
+
+    /// Stretches of points that can be drawn.
+    fn runs<'a>(&'a self, points: &'a [[f64; 2]]) -> impl Iterator<Item = &'a [[f64; 2]]> {
+        points.split(|p| !self.fits(p)).filter(|r| !r.is_empty())
+    }
+
+    /// Range of a coordinate, widened by `margin` of itself.
+    fn range(&self, axis: usize, margin: f64) -> Result<Range<f64>> {
         let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
-        for p in self.series.iter().flat_map(|s| &s.points) {
-            if p[0].is_finite() && p[1].is_finite() {
-                lo = if p[axis] < lo { p[axis] } else { lo };
-                hi = if p[axis] > hi { p[axis] } else { hi };
-            }
+        for p in self.series.iter().flat_map(|s| &s.points).filter(|p| self.fits(p)) {
+            lo = if p[axis] < lo { p[axis] } else { lo };
+            hi = if p[axis] > hi { p[axis] } else { hi };
         }
         if lo > hi {
-            return Err(encode("plot", "no finite points to draw"));
+            let what =
+                if self.log_y { "no finite points above 0 to draw" } else { "no finite points to draw" };
+            return Err(encode("plot", what));
+        }
+        if axis == 1 && self.log_y {
+            // At least a factor of two, and a margin in the logarithm.
+            let ratio = hi / lo;
+            let factor = ratio.clamp(2.0, 1e300).powf(margin) * if ratio < 2.0 { 1.5 } else { 1.0 };
+            return Ok((lo / factor).max(f64::MIN_POSITIVE)..(hi * factor).min(f64::MAX));
         }
         let span = hi - lo;
         // A constant needs some room, or rounding noise would fill the picture.
@@ -123,17 +165,42 @@ impl Plot {
         Ok(lo - pad..hi + pad)
     }
 
-    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, plotters::coord::Shift>) -> Result<()> {
+    /// Draws with every length multiplied by `s`.
+    fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, s: u32) -> Result<()> {
         use_font()?;
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
         let (x, y) = (self.range(0, 0.0)?, self.range(1, 0.06)?);
         let x = if x.end > x.start { x } else { x.start - 0.5..x.end + 0.5 };
-        let ink = RGBColor(40, 48, 60);
-        let font = |size: i32| ("sans-serif", size).into_font().color(&ink);
         area.fill(&WHITE).map_err(fail)?;
-        let digits = (decimals(&x), decimals(&y));
+        let corner = self.free_corner(&x, &y);
+        if self.log_y {
+            let ticks = powers(&y);
+            self.chart(area, s, x, y.log_scale().with_key_points(ticks), &power, corner)?;
+        } else {
+            let digits = decimals(&y);
+            self.chart(area, s, x, y, &|v| number(*v, digits), corner)?;
+        }
+        area.present().map_err(fail)
+    }
+
+    fn chart<B: DrawingBackend, Y>(
+        &self,
+        area: &DrawingArea<B, Shift>,
+        s: u32,
+        x: Range<f64>,
+        y: Y,
+        y_label: &dyn Fn(&f64) -> String,
+        corner: SeriesLabelPosition,
+    ) -> Result<()>
+    where
+        Y: AsRangedCoord<Value = f64>,
+        Y::CoordDescType: ValueFormatter<f64>,
+    {
+        let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
+        let font = |size: u32| ("sans-serif", size * s).into_font().color(&INK);
+        let x_digits = decimals(&x);
         let mut builder = ChartBuilder::on(area);
-        builder.margin(14).margin_right(26).x_label_area_size(46).y_label_area_size(78);
+        builder.margin(14 * s).margin_right(26 * s).x_label_area_size(46 * s).y_label_area_size(78 * s);
         if !self.title.is_empty() {
             builder.caption(&self.title, font(20));
         }
@@ -144,72 +211,124 @@ impl Plot {
             .y_desc(&self.y_label)
             .x_labels(10)
             .y_labels(8)
-            .x_label_formatter(&|v| number(*v, digits.0))
-            .y_label_formatter(&|v| number(*v, digits.1))
+            .x_label_formatter(&|v| number(*v, x_digits))
+            .y_label_formatter(y_label)
             .label_style(font(14))
             .axis_desc_style(font(15))
-            .axis_style(ShapeStyle::from(&RGBColor(120, 128, 140)).stroke_width(1))
-            .bold_line_style(RGBColor(222, 226, 232))
-            .light_line_style(RGBColor(243, 245, 248))
+            .set_all_tick_mark_size(5 * s)
+            .axis_style(ShapeStyle::from(&RGBColor(120, 128, 140)).stroke_width(s))
+            .bold_line_style(RGBColor(222, 226, 232).stroke_width(s))
+            .light_line_style(RGBColor(243, 245, 248).stroke_width(s))
             .max_light_lines(4)
             .draw()
             .map_err(fail)?;
-        for (i, s) in self.series.iter().enumerate() {
-            let c = color(i);
-            let line = c.stroke_width(2);
-            match s.style {
-                Style::Dots => {
-                    let dots = finite_runs(&s.points).flatten();
-                    chart
-                        .draw_series(dots.map(|p| Circle::new((p[0], p[1]), 2, c.filled())))
-                        .map_err(fail)?
-                        .label(&s.name)
-                        .legend(move |(x, y)| Circle::new((x + 12, y), 3, c.filled()));
+        self.curves(&mut chart, s)?;
+        chart
+            .configure_series_labels()
+            .position(corner)
+            .margin(10 * s)
+            .legend_area_size(32 * s)
+            .label_font(font(15))
+            .background_style(WHITE.mix(0.88))
+            .border_style(RGBColor(205, 210, 218).stroke_width(s))
+            .draw()
+            .map_err(fail)
+    }
+
+    fn curves<'a, B: DrawingBackend + 'a, Y: Ranged<ValueType = f64>>(
+        &self,
+        chart: &mut ChartContext<'a, B, Cartesian2d<RangedCoordf64, Y>>,
+        s: u32,
+    ) -> Result<()> {
+        let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
+        let px = s as i32;
+        for (i, series) in self.series.iter().enumerate() {
+            let c = color(series.color.unwrap_or(i));
+            let line = c.stroke_width(2 * s);
+            let (dots, dashed) = (series.style == Style::Dots, series.style == Style::Dashed);
+            let mut named = series.name.is_empty();
+            for run in self.runs(&series.points) {
+                let points = run.iter().map(|p| (p[0], p[1]));
+                let drawn = if dots {
+                    chart.draw_series(points.map(|p| Circle::new(p, 3 * s, c.filled())))
+                } else if dashed {
+                    chart.draw_series(DashedLineSeries::new(points, 7 * s, 5 * s, line))
+                } else {
+                    chart.draw_series(LineSeries::new(points, line))
+                };
+                let drawn = drawn.map_err(fail)?;
+                if std::mem::replace(&mut named, true) {
+                    continue;
                 }
-                Style::Solid | Style::Dashed => {
-                    let dashed = s.style == Style::Dashed;
-                    let mut named = false;
-                    for run in finite_runs(&s.points) {
-                        let points = run.iter().map(|p| (p[0], p[1]));
-                        let drawn = if dashed {
-                            chart.draw_series(DashedLineSeries::new(points, 7, 5, line)).map_err(fail)?
-                        } else {
-                            chart.draw_series(LineSeries::new(points, line)).map_err(fail)?
-                        };
-                        if !std::mem::replace(&mut named, true) {
-                            drawn.label(&s.name).legend(move |(x, y)| {
-                                let end = if dashed { x + 9 } else { x + 24 };
-                                let second = if dashed { x + 15 } else { x };
-                                let parts = [[(x, y), (end, y)], [(second, y), (x + 24, y)]];
-                                let element = EmptyElement::at((0, 0));
-                                element + PathElement::new(parts[0], line) + PathElement::new(parts[1], line)
-                            });
-                        }
-                    }
+                let drawn = drawn.label(&series.name);
+                if dots {
+                    drawn.legend(move |(x, y)| Circle::new((x + 12 * px, y), 3 * s, c.filled()));
+                } else {
+                    let (end, second) = if dashed { (9 * px, 15 * px) } else { (24 * px, 0) };
+                    drawn.legend(move |(x, y)| {
+                        let parts = [[(x, y), (x + end, y)], [(x + second, y), (x + 24 * px, y)]];
+                        let element = EmptyElement::at((0, 0));
+                        element + PathElement::new(parts[0], line) + PathElement::new(parts[1], line)
+                    });
                 }
             }
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::UpperRight)
-            .margin(10)
-            .legend_area_size(32)
-            .label_font(font(15))
-            .background_style(WHITE.mix(0.88))
-            .border_style(RGBColor(205, 210, 218))
-            .draw()
-            .map_err(fail)?;
-        area.present().map_err(fail)
+        Ok(())
+    }
+
+    /// The corner with the fewest points, for the legend.
+    fn free_corner(&self, x: &Range<f64>, y: &Range<f64>) -> SeriesLabelPosition {
+        let level = |v: f64| if self.log_y { v.ln() } else { v };
+        let part = |v: f64, lo: f64, hi: f64| (v - lo) / (hi - lo);
+        let mut counts = [0_usize; 4];
+        for p in self.series.iter().flat_map(|s| &s.points).filter(|p| self.fits(p)) {
+            let u = part(p[0], x.start, x.end);
+            let v = part(level(p[1]), level(y.start), level(y.end));
+            if (0.4..=0.6).contains(&u) {
+                continue;
+            }
+            // Upper right, upper left, lower right, lower left; the legend is about a third high.
+            let corner = usize::from(u < 0.5) + if v > 0.64 { 0 } else { 2 };
+            if !(0.36..=0.64).contains(&v) {
+                counts[corner] += 1;
+            }
+        }
+        let least = (0..4).min_by_key(|&k| counts[k]).unwrap_or(0);
+        [
+            SeriesLabelPosition::UpperRight,
+            SeriesLabelPosition::UpperLeft,
+            SeriesLabelPosition::LowerRight,
+            SeriesLabelPosition::LowerLeft,
+        ]
+        .into_iter()
+        .nth(least)
+        .unwrap_or(SeriesLabelPosition::UpperRight)
     }
 }
 
-/// Stretches of finite points.
-fn finite_runs(points: &[[f64; 2]]) -> impl Iterator<Item = &[[f64; 2]]> {
-    points.split(|p| !(p[0].is_finite() && p[1].is_finite())).filter(|r| !r.is_empty())
+/// Marks of a logarithmic axis: powers of ten, at most a dozen; between few of them also their multiples.
+fn powers(y: &Range<f64>) -> Vec<f64> {
+    let (lo, hi) = (y.start.log10(), y.end.log10());
+    let decades = hi - lo;
+    let multiples: &[f64] = match decades {
+        d if d < 1.3 => &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0],
+        d if d < 4.0 => &[1.0, 2.0, 5.0],
+        _ => &[1.0],
+    };
+    let stride = (decades / 12.0).ceil().max(1.0) as usize;
+    let exponents = (lo.floor() as i32..=hi.ceil() as i32).step_by(stride);
+    let marks = exponents.flat_map(|e| multiples.iter().map(move |m| m * 10_f64.powi(e)));
+    marks.filter(|v| y.contains(v)).collect()
+}
+
+/// Label of a logarithmic axis.
+fn power(v: &f64) -> String {
+    let plain = (1e-3..1e5).contains(v);
+    if plain { format!("{}", (v * 1e6).round() / 1e6) } else { format!("{v:.0e}") }
 }
 
 /// Decimals that tell the labels of a range apart.
-fn decimals(r: &std::ops::Range<f64>) -> usize {
+fn decimals(r: &Range<f64>) -> usize {
     let span = r.end - r.start;
     let mut step = span / 10.0;
     let mut n = 0;
@@ -255,12 +374,13 @@ mod tests {
                 Series {
                     name: "engine".into(),
                     points: times().map(|t| [t, y(t)]).collect(),
-                    style: Style::Solid,
+                    ..Series::default()
                 },
                 Series {
                     name: "½ g t²".into(),
                     points: times().map(|t| [t, y(t) + 0.2]).collect(),
                     style: Style::Dashed,
+                    color: None,
                 },
             ],
             ..Plot::default()
@@ -290,9 +410,14 @@ mod tests {
     #[test]
     fn odd_data_is_no_panic() {
         let with = |points: Vec<[f64; 2]>| Plot {
-            series: vec![Series { name: "a".into(), points, style: Style::Solid }],
+            series: vec![Series { name: "a".into(), points, ..Series::default() }],
             ..Plot::default()
         };
+        let log = |points: Vec<[f64; 2]>| Plot { log_y: true, ..with(points) };
+        assert!(log(vec![[0.0, -1.0], [1.0, 0.0]]).svg().is_err());
+        assert!(log(vec![[0.0, 3.0], [1.0, 0.0], [2.0, 3.0]]).svg().is_ok());
+        assert!(log(vec![[0.0, 1e-300], [1.0, 1e300], [2.0, f64::NAN]]).svg().is_ok());
+        assert!(log(vec![[0.0, 5e-324], [1.0, f64::MAX]]).svg().is_ok());
         assert!(with(vec![]).svg().is_err());
         assert!(with(vec![[f64::NAN, 1.0]]).svg().is_err());
         assert!(with(vec![[0.0, 1.0]]).svg().is_ok());

@@ -15,11 +15,12 @@
 
 use crate::camera::{Camera, View};
 use crate::error::Result;
+use crate::extras::{Bag, Extras, Props, is_extra};
 use crate::image::Image;
 use crate::look::{Encoder, Look, Spot};
 use crate::overlay::Overlay;
 use crate::parallel::rows;
-use crate::tracer::Tracer;
+use crate::tracer::{Hit, Tracer};
 use jounce::math::scalar::f32s;
 use jounce::math::{DVec3, Vec3};
 
@@ -78,9 +79,23 @@ pub fn render(
     overlay: &Overlay,
     options: &RenderOptions,
 ) -> Result<Image> {
+    render_with(scene, camera, &Extras::default(), overlay, options)
+}
+
+/// Takes a picture of a scene with extras among its shapes.
+///
+/// # Errors
+/// As [`render`]. Extras with numbers that nothing can have are left out.
+pub fn render_with(
+    scene: &impl Tracer,
+    camera: &Camera,
+    extras: &Extras,
+    overlay: &Overlay,
+    options: &RenderOptions,
+) -> Result<Image> {
     camera.check()?;
     let mut image = Image::new(options.width, options.height, [0; 3])?;
-    let frame = Frame::new(scene, camera, options);
+    let frame = Frame::new(scene, camera, extras, options);
     let (w, h) = (options.width as usize, options.height as usize);
     let threads = options.threads;
 
@@ -112,18 +127,20 @@ pub fn render(
     }
     let mut colors = vec![Vec3::ZERO; w * h];
     rows(&mut colors, w, threads, |y, row| {
+        let mut bag = Bag::default();
         for (x, c) in row.iter_mut().enumerate() {
             let i = y * w + x;
             let dir = frame.view.dir(x as f32 + 0.5, y as f32 + 0.5);
-            *c = frame.color(&pixels[i], dir, light[i]);
+            *c = frame.color((x, y), &pixels[i], dir, light[i], &mut bag);
         }
     });
     let mut fine = colors.clone();
     if options.edge_samples > 0 {
         rows(&mut fine, w, threads, |y, row| {
+            let mut bag = Bag::default();
             for (x, c) in row.iter_mut().enumerate() {
                 if frame.is_edge(&pixels, &colors, x, y) {
-                    *c = frame.supersample(&pixels, &light, colors[y * w + x], x, y);
+                    *c = frame.supersample(&pixels, &light, colors[y * w + x], x, y, &mut bag);
                 }
             }
         });
@@ -141,6 +158,8 @@ pub fn render(
 
 struct Frame<'a, T> {
     scene: &'a T,
+    /// What there is beside the scene's shapes.
+    props: Option<Props>,
     view: View,
     look: &'a Look,
     width: usize,
@@ -159,7 +178,7 @@ struct Frame<'a, T> {
 const DEAL: [u32; 16] = [0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5];
 
 impl<'a, T: Tracer> Frame<'a, T> {
-    fn new(scene: &'a T, camera: &Camera, options: &'a RenderOptions) -> Self {
+    fn new(scene: &'a T, camera: &Camera, extras: &Extras, options: &'a RenderOptions) -> Self {
         let focus = (camera.target - camera.position).length() as f32;
         let look = &options.look;
         let choose = |given: f32, auto: f32| if given > 0.0 { given } else { auto };
@@ -172,25 +191,49 @@ impl<'a, T: Tracer> Frame<'a, T> {
                 (r * f32s::cos(a), r * f32s::sin(a))
             })
             .collect();
+        let view = camera.view(options.width, options.height);
+        let haze = choose(look.haze_distance, f32s::max(focus * 8.0, 1.0));
+        let far = f32s::max(focus * 150.0, 100.0);
+        let mut props = Props::new(extras, &view, options.width as usize, options.height as usize);
+        if let Some(props) = &mut props {
+            props.light_layers(scene, look, haze, far, options.threads);
+        }
         Self {
             scene,
-            view: camera.view(options.width, options.height),
+            props,
+            view,
             look,
             width: options.width as usize,
             height: options.height as usize,
             light_samples: options.light_samples,
             edge_samples: options.edge_samples,
             reach: choose(look.openness_reach, f32s::clamp(focus * 0.09, 0.05, 4.0)),
-            haze: choose(look.haze_distance, f32s::max(focus * 8.0, 1.0)),
-            far: f32s::max(focus * 150.0, 100.0),
+            haze,
+            far,
             spiral,
             sun_basis: look.sun.orthonormal_basis(),
         }
     }
 
+    /// The nearest solid, of the scene or beside it; the eye's rays pass what is drawn as a layer.
+    fn trace(&self, from: DVec3, dir: Vec3, max_t: f32, eye: bool) -> Option<Hit> {
+        let hit = self.scene.trace(from, dir, max_t);
+        let Some(props) = &self.props else { return hit };
+        let max_t = hit.map_or(max_t, |h| h.t);
+        props.trace(from, dir, max_t, eye).or(hit)
+    }
+
+    /// Part of the light that comes along a ray.
+    fn reaches(&self, from: DVec3, dir: Vec3) -> f32 {
+        if self.scene.occluded(from, dir, self.far) {
+            return 0.0;
+        }
+        self.props.as_ref().map_or(1.0, |p| p.light(from, dir, self.far))
+    }
+
     fn first_hit(&self, x: f32, y: f32) -> Pixel {
         let dir = self.view.dir(x, y);
-        match self.scene.trace(self.view.origin, dir, self.far) {
+        match self.trace(self.view.origin, dir, self.far, true) {
             Some(hit) => {
                 let towards = hit.normal.dot(dir) <= 0.0;
                 let normal = if towards { hit.normal } else { -hit.normal };
@@ -221,14 +264,14 @@ impl<'a, T: Tracer> Frame<'a, T> {
                 let r = self.look.sun_radius;
                 let d = self.look.sun + self.sun_basis.0 * (a * r) + self.sun_basis.1 * (b * r);
                 let d = d / d.length();
-                if d.dot(p.normal) > 0.0 && !self.scene.occluded(start, d, self.far) {
-                    sun += 1.0;
+                if d.dot(p.normal) > 0.0 {
+                    sun += self.reaches(start, d);
                 }
             }
             // Points of the disc lifted to the hemisphere are cosine-weighted (Malley).
             let up = f32s::max(1.0 - a * a - b * b, 0.0).sqrt();
             let d = u * a + v * b + p.normal * up;
-            open += match self.scene.trace(start, d, self.reach) {
+            open += match self.trace(start, d, self.reach, false) {
                 Some(hit) => {
                     let near = 1.0 - hit.t / self.reach;
                     1.0 - near * (2.0 - near) * 0.85
@@ -269,11 +312,23 @@ impl<'a, T: Tracer> Frame<'a, T> {
         if n == 0.0 { raw[y * self.width + x] } else { Light { sun: sun / n, open: open / n } }
     }
 
-    fn color(&self, p: &Pixel, dir: Vec3, light: Light) -> Vec3 {
+    /// Display colour along a ray through pixel `at` that ends at `p`.
+    fn color(&self, at: (usize, usize), p: &Pixel, dir: Vec3, light: Light, bag: &mut Bag) -> Vec3 {
+        let behind = self.radiance(p, dir, light);
+        let light = match &self.props {
+            Some(props) => props.over(behind, at, dir, p.t, self.look.sun, bag),
+            None => behind,
+        };
+        self.look.tone(light)
+    }
+
+    /// Light from the solid or the sky.
+    fn radiance(&self, p: &Pixel, dir: Vec3, light: Light) -> Vec3 {
         if p.surface == NOTHING {
-            return self.look.tone(self.look.sky(dir));
+            return self.look.sky(dir);
         }
-        let skin = self.scene.skin(p.surface);
+        let extra = self.props.as_ref().filter(|_| is_extra(p.surface));
+        let skin = extra.map_or_else(|| self.scene.skin(p.surface), |props| props.skin(p.surface));
         let point = self.view.origin + p.pos.as_dvec3();
         // Where the neighbouring pixels' rays meet the tangent plane.
         let slope = f32s::min(p.normal.dot(dir), -0.02);
@@ -283,7 +338,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
         };
         let spot = Spot {
             point,
-            local: self.scene.to_local(p.surface, point),
+            local: if extra.is_some() { p.pos } else { self.scene.to_local(p.surface, point) },
             normal: p.normal,
             dir,
             t: p.t,
@@ -292,7 +347,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
             sun: light.sun,
             open: light.open,
         };
-        self.look.tone(self.look.shade(&skin, &spot, self.haze))
+        self.look.shade(&skin, &spot, self.haze)
     }
 
     fn is_edge(&self, pixels: &[Pixel], colors: &[Vec3], x: usize, y: usize) -> bool {
@@ -310,7 +365,15 @@ impl<'a, T: Tracer> Frame<'a, T> {
             || (y + 1 < self.height && differs(k + self.width))
     }
 
-    fn supersample(&self, pixels: &[Pixel], light: &[Light], first: Vec3, x: usize, y: usize) -> Vec3 {
+    fn supersample(
+        &self,
+        pixels: &[Pixel],
+        light: &[Light],
+        first: Vec3,
+        x: usize,
+        y: usize,
+        bag: &mut Bag,
+    ) -> Vec3 {
         let n = self.edge_samples;
         let mut sum = first;
         for s in 0..n {
@@ -319,7 +382,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
             let (px, py) = (x as f32 + a, y as f32 + b);
             let p = self.first_hit(px, py);
             let near = self.borrowed(pixels, light, &p, x, y);
-            sum += self.color(&p, self.view.dir(px, py), near);
+            sum += self.color((x, y), &p, self.view.dir(px, py), near, bag);
         }
         sum / (n + 1) as f32
     }

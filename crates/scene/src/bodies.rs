@@ -238,6 +238,7 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
     d.asleep = b.asleep.unwrap_or(d.asleep);
     d.enabled = b.enabled.unwrap_or(d.enabled);
     d.check()?;
+    d.shapes.reserve_exact(b.shapes.len());
     for (i, s) in b.shapes.iter().enumerate() {
         let built = library.shape(s).and_then(|shape| {
             let alone = BodyDesc::new(d.kind).shape(shape.clone());

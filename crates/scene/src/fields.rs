@@ -69,11 +69,7 @@ fn field(f: &FieldSpec, names: &Names) -> Checked<Field> {
             for (i, name) in n.bodies.iter().enumerate() {
                 bodies.push(names.resolve(name).index(i).key("bodies").key(kind)?);
             }
-            FieldLaw::NBody {
-                bodies: Vec::new(),
-                g: n.g.unwrap_or(G),
-                softening: n.softening.unwrap_or(0.0),
-            }
+            FieldLaw::NBody { bodies: Vec::new(), g: n.g.unwrap_or(G), softening: n.softening.unwrap_or(0.0) }
         }
         None => law(f)?,
     };
@@ -158,11 +154,7 @@ fn point(p: &PointFieldSpec) -> Checked<FieldLaw> {
         }
         (None, None) => return Err(Wrong::new("nothing attracts", "mu or mass")),
     };
-    Ok(FieldLaw::Point {
-        center: DVec3::from_array(p.center),
-        mu,
-        softening: p.softening.unwrap_or(0.0),
-    })
+    Ok(FieldLaw::Point { center: DVec3::from_array(p.center), mu, softening: p.softening.unwrap_or(0.0) })
 }
 
 fn water(w: &WaterSpec) -> Checked<FieldLaw> {
@@ -189,22 +181,16 @@ fn region(r: &FieldRegionSpec) -> Checked<Region> {
         (Some(s), None) => {
             Ok(Region::Sphere { center: DVec3::from_array(s.center), radius: s.radius, falloff })
         }
-        (None, Some(b)) => Ok(Region::Box {
-            center: DVec3::from_array(b.center),
-            half: DVec3::from_array(b.half),
-            falloff,
-        }),
+        (None, Some(b)) => {
+            Ok(Region::Box { center: DVec3::from_array(b.center), half: DVec3::from_array(b.half), falloff })
+        }
         _ => Err(Wrong::new("the region has no clear shape", "exactly one of sphere, box")),
     }
 }
 
 pub(crate) fn aero(a: &AeroSpec) -> Checked<Aero> {
-    let aero = Aero {
-        drag: a.drag,
-        area: a.area,
-        lift: a.lift.unwrap_or(0.0),
-        stokes_radius: a.stokes_radius,
-    };
+    let aero =
+        Aero { drag: a.drag, area: a.area, lift: a.lift.unwrap_or(0.0), stokes_radius: a.stokes_radius };
     aero.check()?;
     Ok(aero)
 }

@@ -38,6 +38,10 @@ pub const SCATTER_TRIES_MAX: u64 = 256;
 pub const SCATTER_TRIES_EACH: u64 = 32;
 /// Most samples of all height functions of one scene.
 pub const HEIGHT_SAMPLES_MAX: usize = 1 << 22;
+/// Most bodies with trails.
+pub const TRAILS_MAX: u64 = 1024;
+/// Widest trail, m.
+pub const TRAIL_WIDTH_MAX: f32 = 1000.0;
 /// Most rows that probes and step times keep; beyond it every second row is dropped and the stride doubles.
 pub const ROWS_MAX: usize = 1 << 18;
 /// Triangles that the meshes of a scene may have whatever their files' size. Beyond, [`MESH_BYTES_EACH`].

@@ -8,7 +8,7 @@ use crate::mesh::{MeshData, triangles_max};
 use crate::plan::{Entry, Expect, Look, expects, probes, step_at, step_from, timeline};
 use crate::read::read;
 use crate::shapes::{Library, settings};
-use crate::spec::SceneSpec;
+use crate::spec::{SceneSpec, TrailsSpec};
 use jounce::math::Vec3;
 use jounce::{World, WorldDesc};
 use std::collections::BTreeSet;
@@ -169,7 +169,8 @@ fn within(spec: &SceneSpec, rate_hz: f64) -> Checked<()> {
         return late(e.at, format!("at most `seconds`, {seconds}"), i, "expect");
     }
     if let Some((i, t)) = spec.timeline.iter().enumerate().find(|(_, t)| step_from(t.at, rate_hz) >= end) {
-        let expected = format!("less than `seconds`, {seconds}: actions act before the step that starts then");
+        let last = (end as f64 - 1.0) / rate_hz;
+        let expected = format!("no later than the last step of `seconds`, {seconds}, which starts at {last:.4}");
         return late(t.at, expected, i, "timeline");
     }
     Ok(())
@@ -211,6 +212,9 @@ fn looks(spec: &SceneSpec, names: &Names) -> Checked<()> {
         if let Some(s) = r.sun_strength.filter(|s| !(0.0..=4.0).contains(s)) {
             return Err(Wrong::new(format!("is {s}"), "0 to 4").key("sun_strength").key("render"));
         }
+        if let Some(t) = &r.trails {
+            trails(t, names).key("trails").key("render")?;
+        }
     }
     let Some(c) = &spec.camera else { return Ok(()) };
     if let Some(f) = c.fov_deg.filter(|f| !(1.0..=170.0).contains(f)) {
@@ -232,6 +236,24 @@ fn looks(spec: &SceneSpec, names: &Names) -> Checked<()> {
                 .key("follow")
                 .key("camera"));
         }
+    }
+    Ok(())
+}
+
+fn trails(t: &TrailsSpec, names: &Names) -> Checked<()> {
+    let mut count = 0;
+    for (i, body) in t.bodies.iter().enumerate() {
+        count += names.resolve(body).index(i).key("bodies")?.count;
+    }
+    if count == 0 || count > limits::TRAILS_MAX {
+        let expected = format!("1 to {} bodies", limits::TRAILS_MAX);
+        return Err(Wrong::new(format!("names {count} bodies"), expected).key("bodies"));
+    }
+    if let Some(s) = t.seconds.filter(|&s| !(s > 0.0 && s <= limits::SECONDS_MAX)) {
+        return Err(Wrong::new(format!("is {s}"), "more than 0, at most 1e7 s").key("seconds"));
+    }
+    if let Some(w) = t.width.filter(|&w| !(w > 0.0 && w <= limits::TRAIL_WIDTH_MAX)) {
+        return Err(Wrong::new(format!("is {w}"), "more than 0, at most 1000 m").key("width"));
     }
     Ok(())
 }

@@ -75,12 +75,13 @@ impl Records {
         }
     }
 
-    pub(crate) fn by_text(&self, text: &str) -> Option<BodyId> {
-        let (name, index) = match text.strip_suffix(']').and_then(|t| t.split_once('[')) {
-            Some((name, n)) => (name, n.parse().ok()?),
-            None => (text, 0),
-        };
-        self.bodies.get(*self.index.get(name)?)?.get(index).copied()
+    /// The bodies of `name`, or the one of `name[n]`, made so far; some may be removed by now.
+    pub(crate) fn by_text(&self, text: &str) -> &[BodyId] {
+        let all = |name: &str| self.index.get(name).map_or(&[][..], |&n| self.bodies[n].as_slice());
+        match text.strip_suffix(']').and_then(|t| t.split_once('[')) {
+            Some((name, n)) => n.parse().ok().and_then(|n: usize| all(name).get(n..=n)).unwrap_or(&[]),
+            None => all(text),
+        }
     }
 
     fn is_of(&self, id: BodyId, target: &Target) -> bool {

@@ -154,7 +154,17 @@ impl Simulation {
 
     /// A body by `name` or `name[n]`; of several, the first.
     pub fn body(&self, name: &str) -> Option<BodyId> {
+        self.records.by_text(name).first().copied()
+    }
+
+    /// All bodies of `name`, or the one of `name[n]`, made so far; some may be removed by now.
+    pub fn bodies(&self, name: &str) -> &[BodyId] {
         self.records.by_text(name)
+    }
+
+    /// Probes are kept of every n-th step from now on (expectations still see every step). Default 1.
+    pub fn sample_every(&mut self, steps: u64) {
+        self.samples.keep_every(steps);
     }
 
     /// Colour of a body in pictures: red, green, blue in 0…1 (sRGB). Given in the scene, or from a fixed palette in

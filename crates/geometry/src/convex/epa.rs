@@ -142,7 +142,10 @@ impl Difference<'_> {
                 break;
             }
             match p.nearest() {
-                // The lower bound can only rise; if it falls, rounding tore the surface of slivers.
+                // Where the cores barely overlap or GJK's simplex is flat, the first tetrahedron may not hold the
+                // origin: then it grows towards it, and new faces may lie farther beyond.
+                Some(f) if nearest.distance < 0.0 => nearest = f,
+                // From there on the lower bound can only rise; if it falls, rounding tore the surface of slivers.
                 Some(f) if f.distance >= nearest.distance - tolerance => nearest = f,
                 _ => {
                     nearest = best.0;
@@ -154,7 +157,7 @@ impl Difference<'_> {
         Some(p.answer(&nearest, best.0.normal, best.1))
     }
 
-    /// Four support points that enclose the origin, starting from a simplex of any size.
+    /// Four support points that enclose the origin or lie beside it, starting from a simplex of any size.
     fn tetrahedron(&self, simplex: &Simplex) -> Option<Polytope> {
         let mut v = [Vertex::default(); 4];
         let mut n = simplex.count.min(4);

@@ -72,11 +72,11 @@ pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut
         Gjk::Apart { distance, a: pa, b: pb, normal } if distance > 1e-3 * (a.radius + b.radius) => {
             Axis { normal, gap: distance, a: pa, b: pb, feature: 0 }
         }
-        Gjk::Apart { normal, a: pa, b: pb, .. } => {
-            let touching = Axis { normal, gap: 0.0, a: pa, b: pb, feature: 0 };
-            overlapping(a, b, &w, reach, &Simplex::default()).unwrap_or(touching)
+        Gjk::Apart { distance, a: pa, b: pb, normal } => {
+            let touching = Axis { normal, gap: distance, a: pa, b: pb, feature: 0 };
+            overlapping(a, b, &w, reach, None).unwrap_or(touching)
         }
-        Gjk::Overlap(s) => overlapping(a, b, &w, reach, &s).unwrap_or_else(|| {
+        Gjk::Overlap(s) => overlapping(a, b, &w, reach, Some(&s)).unwrap_or_else(|| {
             // Flat against flat: any direction does; the centres' is the likeliest.
             let normal = (pose.transform_point(b.center()) - a.center()).normalize_or(Vec3::Y);
             let p = a.core.support(normal);
@@ -87,14 +87,21 @@ pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut
     (found.gap <= reach).then_some(found)
 }
 
-fn overlapping(a: &Convex, b: &Convex, w: &Difference, reach: f32, simplex: &Simplex) -> Option<Axis> {
+/// The axis of cores that overlap, or touch from outside (no simplex: polyhedra name their features, for the others
+/// GJK's direction is as good as its distance, and EPA needs an overlap).
+fn overlapping(
+    a: &Convex,
+    b: &Convex,
+    w: &Difference,
+    reach: f32,
+    simplex: Option<&Simplex>,
+) -> Option<Axis> {
+    let epa = || w.epa(simplex?).map(Axis::from);
     match (a.poly(), b.poly(), b.core) {
         (Some(p), Some(q), _) if p.edges.len() * q.edges.len() <= EDGE_PAIRS_MAX => {
             separating_axis(&p, &q, &w.pose, reach)
         }
-        (Some(p), Some(q), _) => {
-            w.epa(simplex).map(Axis::from).or_else(|| separating_axis(&p, &q, &w.pose, reach))
-        }
+        (Some(p), Some(q), _) => epa().or_else(|| separating_axis(&p, &q, &w.pose, reach)),
         (Some(p), _, Core::Segment(h)) => capsule::segment_axis(&p, capsule::ends(h, &w.pose)),
         (Some(p), _, Core::Point) => {
             let q = w.pose.p;
@@ -108,7 +115,7 @@ fn overlapping(a: &Convex, b: &Convex, w: &Difference, reach: f32, simplex: &Sim
             }
             best
         }
-        _ => w.epa(simplex).map(Axis::from),
+        _ => epa(),
     }
 }
 

@@ -48,7 +48,7 @@ impl TriangleRay {
 
 /// Point of the triangle nearest to `p`, by the Voronoi region `p` lies in (Ericson 2005, "Real-Time
 /// Collision Detection", §5.1.5).
-pub(crate) fn closest_point(t: &[Vec3; 3], p: Vec3) -> Vec3 {
+pub fn closest_point(t: &[Vec3; 3], p: Vec3) -> Vec3 {
     let [a, b, c] = *t;
     let (ab, ac) = (b - a, c - a);
     let ap = p - a;

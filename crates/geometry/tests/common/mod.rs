@@ -79,7 +79,8 @@ pub fn gap_along(a: &Shape, b: &Shape, pose: &Pose, n: Vec3) -> f32 {
 }
 
 /// The largest gap over all directions: the distance when apart, minus the depth when not. Starts from
-/// `samples` directions (and `guesses`), then climbs from the best few.
+/// `samples` directions (and `guesses`), then climbs from the best few. Apart it is exact; the depth is that of the
+/// highest hill found.
 pub fn gap(a: &Shape, b: &Shape, pose: &Pose, samples: usize, guesses: &[Vec3]) -> f32 {
     let golden = std::f32::consts::PI * (3.0 - 5.0f32.sqrt());
     let mut top: Vec<(f32, Vec3)> = Vec::new();
@@ -95,7 +96,7 @@ pub fn gap(a: &Shape, b: &Shape, pose: &Pose, samples: usize, guesses: &[Vec3]) 
     }
     top.sort_by(|x, y| y.0.total_cmp(&x.0));
     top.truncate(12);
-    let mut best = f32::NEG_INFINITY;
+    let mut best = (f32::NEG_INFINITY, Vec3::X);
     for (mut g, mut n) in top {
         let mut step = 0.2;
         while step > 1e-5 {
@@ -115,9 +116,55 @@ pub fn gap(a: &Shape, b: &Shape, pose: &Pose, samples: usize, guesses: &[Vec3]) 
                 step *= 0.5;
             }
         }
-        if g > best {
-            best = g;
+        if g > best.0 {
+            best = (g, n);
         }
     }
-    best
+    // Eight directions miss a ridge's way up where it is steep on both sides.
+    loop {
+        let found = highest_around(a, b, pose, best.1);
+        if found.0 <= best.0 + 1e-7 {
+            return best.0;
+        }
+        best = found;
+    }
+}
+
+/// The direction within 45° or so of `n` along which the gap is largest, if the shapes are apart.
+///
+/// With W = {b − a} the gap along n + x u + y v is h(x, y)/|n + x u + y v|, where h, the least of linear functions, is
+/// concave. Its level sets at and above 0 are convex, and so are those of h itself below: one search by golden
+/// sections within another finds the top, ridges or not.
+fn highest_around(a: &Shape, b: &Shape, pose: &Pose, n: Vec3) -> (f32, Vec3) {
+    let (u, v) = n.orthonormal_basis();
+    let at = |x: f32, y: f32| n + u * x + v * y;
+    let score = |x: f32, y: f32| {
+        let m = at(x, y);
+        let g = gap_along(a, b, pose, m.normalize_or(n));
+        if g < 0.0 { g * m.length() } else { g }
+    };
+    let along = |x: f32| highest(|y| score(x, y));
+    let (x, _) = highest(|x| along(x).1);
+    let m = at(x, along(x).0).normalize_or(n);
+    (gap_along(a, b, pose, m), m)
+}
+
+/// Where in −1…1 a function of one top is highest, and how high, by golden sections.
+fn highest(f: impl Fn(f32) -> f32) -> (f32, f32) {
+    let section = 0.5 * (5.0f32.sqrt() - 1.0);
+    let (mut lo, mut hi) = (-1.0f32, 1.0f32);
+    let (mut x, mut y) = (hi - section * (hi - lo), lo + section * (hi - lo));
+    let (mut fx, mut fy) = (f(x), f(y));
+    while hi - lo > 1e-6 {
+        if fx > fy {
+            (hi, y, fy) = (y, x, fx);
+            x = hi - section * (hi - lo);
+            fx = f(x);
+        } else {
+            (lo, x, fx) = (x, y, fy);
+            y = lo + section * (hi - lo);
+            fy = f(y);
+        }
+    }
+    if fx > fy { (x, fx) } else { (y, fy) }
 }

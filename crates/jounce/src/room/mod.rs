@@ -2,4 +2,5 @@
 
 pub mod contacts;
 pub mod fields;
+pub mod particles;
 pub mod rigid;

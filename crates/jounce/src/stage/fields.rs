@@ -51,16 +51,16 @@ fn start_body(world: &mut World, memory: &FieldScratch, row: usize) -> Feel {
     let all = body.shapes.iter().fold(0, |l, &s| l | world.shapes[s].filter.layers);
     let layers = if body.shapes.is_empty() { u32::MAX } else { all };
     let (v, center) = (world.awake.state[row].v(), world.frames[slot as usize].center);
-    let view =
-        view(center, v, body.mass.mass, world.fields.time, world.body_id(slot), body.user_data);
+    let view = view(center, v, body.mass.mass, world.fields.time, world.body_id(slot), body.user_data);
     let pull = world.fields.pull(&view, layers);
     let attraction = memory.attraction.get(row).copied().unwrap_or(Vec3::ZERO);
     let at_start = pull.gravity * step.gravity_scale + pull.other + attraction;
     let restless = world.fields.acting(layers).any(|f| f.is_restless() && f.desc.region.weight(center) > 0.0)
         || memory.acting.gusts
-            && body.shapes.iter().any(|&s| {
-                gust_can_move(&world.fields, &world.shapes[s], center, body.mass.inv_mass)
-            });
+            && body
+                .shapes
+                .iter()
+                .any(|&s| gust_can_move(&world.fields, &world.shapes[s], center, body.mass.inv_mass));
     let step = &mut world.awake.step[row];
     // Coriolis' part turns the velocity in the substeps; contacts only have to know of it.
     step.acceleration += at_start;
@@ -91,8 +91,14 @@ pub(crate) fn act(world: &mut World, step: &Step, i: u32) {
         let motion = s.get();
         let center = frame.center + motion.dp.as_dvec3();
         let pulled = attraction.get(row).copied().unwrap_or(Vec3::ZERO);
-        let view =
-            view(center, motion.v, body.mass.mass, shared.fields.time, shared.body_id(b.body), body.user_data);
+        let view = view(
+            center,
+            motion.v,
+            body.mass.mass,
+            shared.fields.time,
+            shared.body_id(b.body),
+            body.user_data,
+        );
         let pull = shared.fields.pull(&view, feel.layers);
         let mut mover = Mover {
             v: motion.v,

@@ -8,8 +8,10 @@ pub(crate) mod forces;
 pub(crate) mod guard;
 pub(crate) mod islands;
 pub(crate) mod narrowphase;
+pub(crate) mod particles;
 pub(crate) mod prepare;
 pub(crate) mod publish;
+pub(crate) mod restitution;
 pub(crate) mod seams;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
@@ -63,6 +65,8 @@ pub(crate) struct Scratch {
     pub visitors: Vec<(u32, u32)>,
     pub loads: Vec<(f32, jounce_math::Vec3, f32)>,
     pub fields: fields::FieldScratch,
+    /// By awake row: how hard and which way it was pushed.
+    pub squeeze: Vec<(f32, jounce_math::Vec3)>,
 }
 
 impl Scratch {

@@ -2,7 +2,6 @@
 
 use super::Step;
 use crate::event::Event;
-use crate::limits;
 use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
@@ -33,7 +32,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
 
 /// Restitution, impulses back to the manifolds, motion back to the frames.
 pub(crate) fn finish(world: &mut World, step: &Step) {
-    restitution(world, step);
+    super::restitution::run(world, step);
     let stick_speed = world.settings.stick_speed;
     let mut contacts = core::mem::take(&mut world.contacts);
     let shared: &World = world;
@@ -58,21 +57,6 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     });
     world.contacts = contacts;
     poses(world, step);
-}
-
-/// Passes until the rebound speeds of all points hold together: those of a face that lands flat depend on one another, and one
-/// pass would leave it spinning, and with more energy than it came with.
-fn restitution(world: &mut World, step: &Step) {
-    /// Change of a rebound speed that ends the passes, m/s.
-    const QUIET: f32 = 1e-4;
-    let mut change = if world.scratch.blocks.iter().flatten().any(|b| b.any_rebound) { 1.0 } else { 0.0 };
-    let mut passes = 0;
-    while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
-        sweep(world, Pass::Restitution, step);
-        let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
-        change = all.flat_map(|b| b.rebound_change).fold(0.0, f32s::max);
-        passes += 1;
-    }
 }
 
 fn poses(world: &mut World, step: &Step) {
@@ -124,7 +108,7 @@ fn positions(world: &mut World, step: &Step) {
 }
 
 /// One pass over all colours, then the overflow rows in their order.
-fn sweep(world: &mut World, pass: Pass, step: &Step) {
+pub(super) fn sweep(world: &mut World, pass: Pass, step: &Step) {
     let width = world.width;
     let constants = &step.constants;
     let scratch = &mut world.scratch;

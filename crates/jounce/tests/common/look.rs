@@ -25,6 +25,12 @@ pub fn not_finite(world: &World) -> Option<String> {
             return Some(format!("shape {id:?} {what}"));
         }
     }
+    let bad = |p: &jounce::ParticleView| {
+        !(p.position.is_finite() && p.velocity.is_finite() && p.age >= 0.0 && p.drawn_radius.is_finite())
+    };
+    if let Some(p) = world.particles().find(bad) {
+        return Some(format!("{p:?}"));
+    }
     world.events().iter().find_map(event)
 }
 

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test uses a part of this")]
 
 pub mod look;
+pub mod particles;
 pub mod rng;
 pub mod storm;
 

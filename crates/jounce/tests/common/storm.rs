@@ -1,5 +1,6 @@
 //! Random worlds and random edits of them, a function of the seed alone.
 
+use super::particles;
 use super::rng::Rng;
 use jounce::geometry::{Compound, HeightField, Hull, MassProperties, Shape, TriMesh, TriMeshOptions};
 use jounce::math::Mat3;
@@ -22,6 +23,8 @@ pub struct Storm {
     pub edits: [usize; 2],
     /// Called around every call that changes the world.
     pub around: fn(&mut dyn FnMut()),
+    /// Draws emitters and edits of them, where there are any.
+    pub emitters: Option<Rng>,
 }
 
 impl Storm {
@@ -31,7 +34,16 @@ impl Storm {
         let far = *rng.pick(&[0.0, 0.0, 0.0, 0.0, 1e4, 1e6, 1e7]);
         let origin = if far == 0.0 { DVec3::ZERO } else { DVec3::new(far, -0.37 * far, 0.71 * far) };
         let world = World::new(world_desc(&mut rng, size)).expect("in range");
-        let mut storm = Self { world, rng, origin, extent: 4.0 * size, size, edits: [0, 0], around: |f| f() };
+        let mut storm = Self {
+            world,
+            rng,
+            origin,
+            extent: 4.0 * size,
+            size,
+            edits: [0, 0],
+            around: |f| f(),
+            emitters: None,
+        };
         storm.hooks();
         for _ in 0..1 + storm.rng.below(2) {
             let ground = storm.ground();
@@ -48,8 +60,20 @@ impl Storm {
         storm
     }
 
+    /// With emitters; their random numbers are their own, so the bodies are those of the same seed without.
+    pub fn with_particles(mut self, seed: u64) -> Self {
+        self.emitters = Some(Rng::new(seed ^ 0x7a2c));
+        for _ in 0..3 {
+            particles::edit(&mut self);
+        }
+        self
+    }
+
     /// Some edits, then a step.
     pub fn step(&mut self) {
+        if self.emitters.as_mut().is_some_and(|r| r.one_in(3)) {
+            particles::edit(self);
+        }
         if self.rng.one_in(4) {
             for _ in 0..1 + self.rng.below(3) {
                 self.edit();

@@ -249,4 +249,18 @@ pub struct RenderSpec {
     pub sun_strength: Option<f32>,
     /// Draw outlines of sensors. Default false.
     pub sensors: Option<bool>,
+    /// Draw where bodies have been.
+    pub trails: Option<TrailsSpec>,
+}
+
+/// Lines behind moving bodies, in the bodies' colours.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrailsSpec {
+    /// Names, each of one or many bodies.
+    pub bodies: Vec<String>,
+    /// How long a trail stays, s. Default: as long as the run.
+    pub seconds: Option<f64>,
+    /// Width, m. Default: a 200th of the camera's distance from its target.
+    pub width: Option<f32>,
 }

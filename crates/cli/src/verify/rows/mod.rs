@@ -1,8 +1,8 @@
 //! The laws, one file per topic.
 //!
-//! A row runs in the engine; closed forms are only its reference. Δt is the step, h = Δt/substeps the substep, ε = 2⁻²⁴
-//! the rounding of one f32 operation. The integrator is semi-implicit Euler: after n substeps v = v₀ + a n h exactly and
-//! x = v₀ t + ½ a t² + ½ a t h, so its error is ½ a t h.
+//! A row runs in the engine (those of `textbook` in `jounce_motion`); closed forms are only its reference. Δt is the
+//! step, h = Δt/substeps the substep, ε = 2⁻²⁴ the rounding of one f32 operation. The integrator is semi-implicit Euler:
+//! after n substeps v = v₀ + a n h exactly and x = v₀ t + ½ a t² + ½ a t h, so its error is ½ a t h.
 
 mod collision;
 mod curves;
@@ -16,6 +16,7 @@ mod rolling;
 mod seams;
 mod spin;
 mod stacks;
+mod textbook;
 
 use super::Law;
 use jounce::prelude::*;
@@ -35,6 +36,7 @@ pub(crate) const LAWS: &[&[Law]] = &[
     far::LAWS,
     fast::LAWS,
     seams::LAWS,
+    textbook::LAWS,
 ];
 
 /// Standard gravity of the rows, m/s².
@@ -189,7 +191,7 @@ mod tests {
     #[test]
     fn names_of_rows_are_unique() {
         let mut names: Vec<String> = Vec::new();
-        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, seams::LAWS] {
+        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, seams::LAWS, textbook::LAWS] {
             names.extend(laws.iter().flat_map(|l| (l.run)().expect(l.name)).map(|r| r.name));
         }
         let count = names.len();

@@ -68,5 +68,16 @@ pub(crate) fn store(
         m.stick = speed < stick_speed;
     }
     m.slip = slip;
+    let bounced = block.any_rebound && block.points.iter().any(|p| p.rebound[l] > 0.0 && p.total[l] > 0.0);
+    if bounced {
+        forget(m);
+    }
     hit
+}
+
+/// What has bounced leaves: the impulses of the impact are no start for the next step, where the friction among them would turn
+/// the body into the surface before it is taken back.
+fn forget(m: &mut ContactManifold) {
+    m.points.iter_mut().for_each(|p| p.impulse = 0.0);
+    (m.friction, m.twist, m.rolling) = (Vec3::ZERO, 0.0, Vec3::ZERO);
 }

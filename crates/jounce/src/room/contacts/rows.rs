@@ -196,6 +196,8 @@ pub(crate) struct Block {
     pub any_rebound: bool,
     /// Largest change of a rebound speed in the last pass of restitution, m/s; negative where nothing bounces.
     pub rebound_change: Lane,
+    /// Sum of the points' impulses over the step, before restitution.
+    pub compression: Lane,
 }
 
 impl Default for Block {
@@ -238,6 +240,7 @@ impl Default for Block {
             any_rolling: false,
             any_rebound: false,
             rebound_change: [-1.0; LANES],
+            compression: L,
         }
     }
 }

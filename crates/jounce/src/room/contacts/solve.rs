@@ -10,6 +10,14 @@ use core::ops::Range;
 use jounce_lanes::{Kernel, Lanes, Mask};
 use jounce_tasks::Scatter;
 
+/// No point pushes harder than to change its two bodies' speed by so much, m/s: far above all that is stacked or hit, far
+/// below what overflows. A body larger than its room, between walls that push from opposite sides, has no solution, and its
+/// impulses would grow from step to step until nothing is finite.
+const SPEED_MOST: f32 = 1e6;
+
+/// Impulse that may be given back ÷ e times the impulse that was taken.
+const POISSON: f32 = 1.05;
+
 /// Which pass of the substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pass {
@@ -19,7 +27,9 @@ pub(crate) enum Pass {
     Solve,
     /// Normal rows without bias, then twist, rolling and friction.
     Relax,
-    /// After the last substep: gives back e V where the approach was fast enough and the contact pushed.
+    /// After the last substep: what will bounce comes to rest at its points first.
+    Compress,
+    /// Then: gives back e V where the approach was fast enough and the contact pushed.
     Restitution,
 }
 
@@ -47,7 +57,8 @@ impl Kernel for Sweep<'_, '_> {
                 Pass::Warm => warm_start::<L>(block, at, access, lanes),
                 Pass::Solve => solve::<L>(block, at, access, lanes, constants),
                 Pass::Relax => relax::<L>(block, at, access, lanes, constants),
-                Pass::Restitution => restitution::<L>(block, at, access, lanes),
+                Pass::Compress => restitution::<L>(block, at, access, lanes, false),
+                Pass::Restitution => restitution::<L>(block, at, access, lanes, true),
             }
             done += L::WIDTH;
         }
@@ -199,7 +210,7 @@ fn solve<L: Lanes>(
     let sigma = L::load(&block.mass_scale[at..]);
     let iota = L::load(&block.impulse_scale[at..]);
     let rate = sigma * L::load(&block.bias_rate[at..]);
-    let (inv_h, push) = (L::splat(k.inv_h), L::load(&block.push_out[at..]));
+    let (inv_h, push, most) = (L::splat(k.inv_h), L::load(&block.push_out[at..]), L::splat(SPEED_MOST));
     for rows in &mut block.points[..block.points_max.min(4)] {
         let turn =
             Wide3::<L>::load(&rows.j.b, at).dot(moved.rb) - Wide3::<L>::load(&rows.j.a, at).dot(moved.ra);
@@ -210,7 +221,8 @@ fn solve<L: Lanes>(
         let soft = L::select(open, zero, iota);
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
-        let new = (old - L::load(&rows.mass[at..]) * (scale * vn + bias) - soft * old).max(zero);
+        let mass = L::load(&rows.mass[at..]);
+        let new = (old - mass * (scale * vn + bias) - soft * old).max(zero).min(mass * most);
         new.store(&mut rows.impulse[at..]);
         u.push(n, &rows.j, at, new - old);
     }
@@ -230,7 +242,7 @@ fn relax<L: Lanes>(
     let moved = u.moved(access, g);
     let dp = n.dot(moved.dp);
     let zero = L::zero();
-    let inv_h = L::splat(k.inv_h);
+    let (inv_h, most) = (L::splat(k.inv_h), L::splat(SPEED_MOST));
     let (mut total, mut twist_limit) = (zero, zero);
     for rows in &mut block.points[..block.points_max.min(4)] {
         let turn =
@@ -239,7 +251,8 @@ fn relax<L: Lanes>(
         let bias = s.max(zero) * inv_h;
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
-        let new = (old - L::load(&rows.mass[at..]) * (vn + bias)).max(zero);
+        let mass = L::load(&rows.mass[at..]);
+        let new = (old - mass * (vn + bias)).max(zero).min(mass * most);
         new.store(&mut rows.impulse[at..]);
         (L::load(&rows.total[at..]) + new).store(&mut rows.total[at..]);
         total = total + new;
@@ -340,11 +353,24 @@ fn rebound_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: 
 }
 
 #[inline(always)]
-fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, g: Gather) {
+fn restitution<L: Lanes>(
+    block: &mut Block,
+    at: usize,
+    access: &mut Scatter<'_, BodyState>,
+    g: Gather,
+    back: bool,
+) {
     let n = Wide3::<L>::load(&block.normal, at);
     let mut u = Pair::load(block, at, access, g);
     let zero = L::zero();
     let (mut added, mut change) = (zero, L::splat(-1.0));
+    // Poisson's bound: what is given back is at most e times what was taken. Newton's law alone adds energy where friction
+    // turns the body during the impact (Kane & Levinson 1985). The allowance is for gravity within the step.
+    let e = L::load(&block.restitution[at..]);
+    let mut budget = L::load(&block.compression[at..]) * (L::splat(1.0) + e * L::splat(POISSON));
+    for rows in &block.points[..block.points_max.min(4)] {
+        budget = budget - L::load(&rows.total[at..]);
+    }
     for rows in &mut block.points[..block.points_max.min(4)] {
         let rebound = L::load(&rows.rebound[at..]);
         let total = L::load(&rows.total[at..]);
@@ -355,8 +381,11 @@ fn restitution<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, 
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let wanted = (old - mass * (vn - rebound)).max(zero);
+        let target = if back { rebound } else { zero };
+        let wanted = (old - mass * (vn - target)).max(zero).min(mass * L::splat(SPEED_MOST));
+        let wanted = if back { wanted.min(old + budget.max(zero)) } else { wanted.max(old) };
         let new = L::select(bounces, wanted, old);
+        budget = budget - (new - old);
         new.store(&mut rows.impulse[at..]);
         // What is over of the last substep's impulse may be taken back, not the other substeps'.
         (total + (new - old)).store(&mut rows.total[at..]);

@@ -197,7 +197,15 @@ impl Mover<'_> {
     }
 
     /// Accelerations by mass: what has changed since the step began, and Coriolis' turn.
-    pub fn pulls(&mut self, pull: &Pull, gravity_scale: f32, attraction: Vec3, at_start: Vec3, scale: f32, h: f32) {
+    pub fn pulls(
+        &mut self,
+        pull: &Pull,
+        gravity_scale: f32,
+        attraction: Vec3,
+        at_start: Vec3,
+        scale: f32,
+        h: f32,
+    ) {
         let now = pull.gravity * gravity_scale + pull.other + attraction;
         self.v += (now - at_start) * (scale * h);
         if pull.spin != Vec3::ZERO {

@@ -20,7 +20,8 @@ impl World {
     pub(crate) fn do_explode(&mut self, e: &Explosion) -> Result<()> {
         e.check()?;
         let reach = DVec3::splat(f64::from(e.radius));
-        let filter = QueryFilter { fixed: false, kinematic: false, layers: e.layers, ..QueryFilter::default() };
+        let filter =
+            QueryFilter { fixed: false, kinematic: false, layers: e.layers, ..QueryFilter::default() };
         let mut pushes: Vec<(u32, Vec3, Vec3)> = Vec::new();
         for shape in self.overlap_aabb(e.center - reach, e.center + reach, &filter) {
             let record = &self.shapes[shape.index];
@@ -93,14 +94,7 @@ impl World {
     }
 
     /// Distance along the ray to the shape, if it is in reach and nothing fixed stands before it.
-    fn exposed(
-        &self,
-        slot: u32,
-        e: &Explosion,
-        pose: &WorldPose,
-        origin: Vec3,
-        ray: Vec3,
-    ) -> Option<f32> {
+    fn exposed(&self, slot: u32, e: &Explosion, pose: &WorldPose, origin: Vec3, ray: Vec3) -> Option<f32> {
         let hit = self.shapes[slot].shape.ray_cast(origin, pose.q.inverse_rotate(ray), e.radius)?;
         if e.occlusion {
             let walls = QueryFilter { kinematic: false, dynamic: false, ..QueryFilter::default() };

@@ -48,7 +48,8 @@ pub(crate) fn velocity(g: &Gust, steady: Vec3, at: DVec3, time: f64) -> Vec3 {
         let bit = |k: u32| (i >> k) & 1;
         let weight = |k: u32, w: f32| if bit(k) == 1 { w } else { 1.0 - w };
         let w = weight(0, wx) * weight(1, wy) * weight(2, wz) * weight(3, wt);
-        let at = [x.wrapping_add(bit(0)), y.wrapping_add(bit(1)), z.wrapping_add(bit(2)), t.wrapping_add(bit(3))];
+        let at =
+            [x.wrapping_add(bit(0)), y.wrapping_add(bit(1)), z.wrapping_add(bit(2)), t.wrapping_add(bit(3))];
         sum += corner(g.seed, at) * w;
         squares += w * w;
     }

@@ -87,7 +87,15 @@ pub(crate) fn integrate_position(
     if turns_freely(b) && w2 >= SPIN_MIN_SQUARED {
         let limit = if b.fast_rotation { f32::INFINITY } else { sub.angular_speed_max };
         let keep = 1.0 / (1.0 + f64::from(sub.h * b.angular_damping));
-        torque_free(&mut s, turning, &bodies[b.body].mass, frames[b.body as usize].rotation, sub.h, keep, limit);
+        torque_free(
+            &mut s,
+            turning,
+            &bodies[b.body].mass,
+            frames[b.body as usize].rotation,
+            sub.h,
+            keep,
+            limit,
+        );
     } else {
         if w2 > sub.angular_speed_max * sub.angular_speed_max && !b.fast_rotation {
             s.w *= sub.angular_speed_max / w2.sqrt();

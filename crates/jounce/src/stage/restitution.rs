@@ -1,0 +1,92 @@
+//! Restitution, after the last substep: passes over the rows that bounce until their rebound speeds hold together.
+//!
+//! The points of a face that lands flat depend on one another; one pass would leave it spinning, and with more energy than it
+//! came with. First all points that will bounce come to rest (compression); then Newton's law at every point at once,
+//! λ ≥ 0, v_n ≥ e V, is what the passes converge to, with no more impulse than e times that of the compression (Poisson). Between walls that push
+//! from opposite sides there is no such velocity, and impulses would grow from pass to pass: what is squeezed does not bounce.
+
+use super::{Step, substep};
+use crate::limits;
+use crate::room::contacts::rows::{Block, LANES};
+use crate::room::contacts::solve::Pass;
+use crate::world::World;
+use jounce_math::{Vec3, scalar::f32s};
+
+/// Change of a rebound speed that ends the passes, m/s.
+const QUIET: f32 = 1e-4;
+/// |Σ λ n| below this part of Σ λ: pushed from opposite sides. (Two walls at a right angle give 0.71.)
+const SQUEEZED: f32 = 0.5;
+
+pub(super) fn run(world: &mut World, step: &Step) {
+    if !world.scratch.blocks.iter().flatten().any(bounces) {
+        return;
+    }
+    hold_squeezed(world);
+    passes(world, step, Pass::Compress);
+    for block in world.scratch.blocks.iter_mut().flatten().filter(|b| b.any_rebound) {
+        for l in 0..block.rows {
+            block.compression[l] = compression(block, l);
+        }
+    }
+    passes(world, step, Pass::Restitution);
+}
+
+fn passes(world: &mut World, step: &Step, pass: Pass) {
+    let (mut change, mut passes) = (f32::MAX, 0);
+    while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
+        substep::sweep(world, pass, step);
+        let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
+        change = all.flat_map(|b| b.rebound_change).fold(0.0, f32s::max);
+        passes += 1;
+    }
+}
+
+fn points(b: &Block) -> usize {
+    b.points_max.min(4)
+}
+
+/// Does some point of the block have speed to give back, and was it pushed?
+fn bounces(b: &Block) -> bool {
+    b.any_rebound
+        && b.points[..points(b)]
+            .iter()
+            .any(|p| p.rebound.iter().zip(&p.total).any(|(r, t)| *r > 0.0 && *t > 0.0))
+}
+
+/// Impulse that a row's points gave over the step.
+fn compression(b: &Block, l: usize) -> f32 {
+    b.points[..points(b)].iter().map(|p| p.total[l]).sum()
+}
+
+/// Takes the rebound from rows of bodies that are pushed from opposite sides.
+fn hold_squeezed(world: &mut World) {
+    let mut pushed = core::mem::take(&mut world.scratch.squeeze);
+    pushed.clear();
+    pushed.resize(world.awake.state.len(), (0.0, Vec3::ZERO));
+    let mut blocks = core::mem::take(&mut world.scratch.blocks);
+    for (color, list) in blocks.iter().enumerate() {
+        for (i, row) in world.scratch.colors.rows(color).iter().enumerate() {
+            let (b, l) = (&list[i / LANES], i % LANES);
+            let total = compression(b, l);
+            let n = b.normal.get(l);
+            for (item, sign) in [(row.a(), -1.0), (row.b(), 1.0)] {
+                if let Some(p) = pushed.get_mut(item as usize) {
+                    p.0 += total;
+                    p.1 += n * (sign * total);
+                }
+            }
+        }
+    }
+    let squeezed = |item: u32| pushed.get(item as usize).is_some_and(|p| p.1.length() < SQUEEZED * p.0);
+    for (color, list) in blocks.iter_mut().enumerate() {
+        for (i, row) in world.scratch.colors.rows(color).iter().enumerate() {
+            let b = &mut list[i / LANES];
+            if b.any_rebound && (squeezed(row.a()) || squeezed(row.b())) {
+                let n = points(b);
+                b.points[..n].iter_mut().for_each(|p| p.rebound[i % LANES] = 0.0);
+            }
+        }
+    }
+    world.scratch.blocks = blocks;
+    world.scratch.squeeze = pushed;
+}
