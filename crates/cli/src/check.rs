@@ -22,8 +22,9 @@ struct FileReport {
     error: Option<Fault>,
 }
 
-#[derive(Serialize)]
-struct Fault {
+/// What is wrong with a scene, and where, for programs.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Fault {
     message: String,
     line: Option<u64>,
     column: Option<u64>,
@@ -46,11 +47,11 @@ pub fn check(a: &CheckArgs) -> Done {
                 report.skipped = Some(why);
             }
             Err(e) => {
-                if let Failure::Bad(message) = Failure::scene(path, &e) {
+                if let Failure::Bad { message, .. } = Failure::scene(path, &e) {
                     complain(&message);
                 }
                 report.ok = false;
-                report.error = Some(fault(&e));
+                report.error = Some(Fault::of(&e));
             }
         }
         files.push(report);
@@ -67,16 +68,22 @@ pub fn check(a: &CheckArgs) -> Done {
     }
 }
 
-fn fault(e: &SceneError) -> Fault {
-    let f = e.fault();
-    let text = |s: &String| (!s.is_empty()).then(|| s.clone());
-    let position = f.and_then(|f| f.position);
-    Fault {
-        message: f.map_or_else(|| e.to_string(), |f| f.message.clone()),
-        line: position.map(|p| p.line as u64),
-        column: position.map(|p| p.column as u64),
-        key: f.and_then(|f| text(&f.key)),
-        expected: f.and_then(|f| text(&f.expected)),
-        suggestion: f.and_then(|f| f.suggestion.clone()),
+impl Fault {
+    /// A message without a place.
+    pub fn plain(message: &str) -> Self {
+        Self { message: message.into(), ..Self::default() }
+    }
+    /// The parts of a scene's error.
+    pub fn of(e: &SceneError) -> Self {
+        let Some(f) = e.fault() else { return Self::plain(&e.to_string()) };
+        let text = |s: &String| (!s.is_empty()).then(|| s.clone());
+        Self {
+            message: f.message.clone(),
+            line: f.position.map(|p| p.line as u64),
+            column: f.position.map(|p| p.column as u64),
+            key: text(&f.key),
+            expected: text(&f.expected),
+            suggestion: f.suggestion.clone(),
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! How a command ends when it does not end well.
 
+use crate::check::Fault;
 use jounce_render::RenderError;
 use jounce_scene::SceneError;
 use std::path::Path;
@@ -10,7 +11,12 @@ pub enum Failure {
     /// Everything ran, and something expected did not come out; the report says what. Exit code 1.
     Misses,
     /// Bad input, or a file that cannot be read or written. Exit code 2.
-    Bad(String),
+    Bad {
+        /// For people.
+        message: String,
+        /// For programs: what `--json` prints.
+        fault: Box<Fault>,
+    },
     /// Whoever read our output went away. Exit code 0: that is how `jounce … | head` ends.
     ClosedPipe,
 }
@@ -21,29 +27,30 @@ pub type Done<T = ()> = Result<T, Failure>;
 impl Failure {
     /// Bad input: what, where, what was expected.
     pub fn bad(message: impl Into<String>) -> Self {
-        Self::Bad(message.into())
+        let message = message.into();
+        Self::Bad { fault: Box::new(Fault::plain(&message)), message }
     }
     /// A scene's error with the lines around its place, where there is one.
     pub fn scene(path: &Path, e: &SceneError) -> Self {
-        Self::Bad(excerpt(path, e))
+        Self::Bad { message: excerpt(path, e), fault: Box::new(Fault::of(e)) }
     }
 }
 
 impl From<RenderError> for Failure {
     fn from(e: RenderError) -> Self {
-        Self::Bad(e.to_string())
+        Self::bad(e.to_string())
     }
 }
 
 impl From<jounce::Error> for Failure {
     fn from(e: jounce::Error) -> Self {
-        Self::Bad(e.to_string())
+        Self::bad(e.to_string())
     }
 }
 
 impl From<jounce_motion::Error> for Failure {
     fn from(e: jounce_motion::Error) -> Self {
-        Self::Bad(e.to_string())
+        Self::bad(e.to_string())
     }
 }
 
@@ -51,7 +58,7 @@ impl From<std::io::Error> for Failure {
     fn from(e: std::io::Error) -> Self {
         match e.kind() {
             std::io::ErrorKind::BrokenPipe => Self::ClosedPipe,
-            _ => Self::Bad(format!("cannot write the result: {e}")),
+            _ => Self::bad(format!("cannot write the result: {e}")),
         }
     }
 }

@@ -22,6 +22,12 @@ use error::Failure;
 use std::ffi::OsString;
 use std::process::ExitCode;
 
+/// What `--json` prints of a call that was refused.
+#[derive(serde::Serialize)]
+struct Refused {
+    error: check::Fault,
+}
+
 /// Runs the program with its arguments, the first of which is its name.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
     let args = match Args::try_parse_from(words) {
@@ -31,6 +37,14 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
             let _ = e.print();
             return ExitCode::from(e.exit_code() as u8);
         }
+    };
+    let json = match &args.command {
+        Some(Command::Run(a)) => a.json,
+        Some(Command::Verify(a)) => a.json,
+        Some(Command::Bench(a)) => a.json,
+        Some(Command::Solve(args::SolveArgs { question: args::Question::Projectile(a) })) => a.json,
+        // `check` reports on each file, refused or not.
+        _ => false,
     };
     let done = match args.command {
         None => showcase::showcase(&args.common),
@@ -46,8 +60,12 @@ pub fn main(words: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Misses) => ExitCode::from(1),
         Err(Failure::ClosedPipe) => ExitCode::SUCCESS,
-        Err(Failure::Bad(message)) => {
+        Err(Failure::Bad { message, fault }) => {
             output::complain(&message);
+            if json {
+                // Whoever reads it may be gone; the exit code stays.
+                let _ = output::print_json(&Refused { error: *fault });
+            }
             ExitCode::from(2)
         }
     }

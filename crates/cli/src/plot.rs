@@ -116,7 +116,7 @@ impl Curves {
             let values = samples.column(probe).unwrap_or_default();
             let points = samples.times().iter().zip(values).map(|(t, v)| [*t, *v]).collect();
             self.series.push(Series { name: format!("{of}{probe}"), points, style: Style::Solid, color });
-            for e in expected.iter().filter(|e| &e.probe == probe) {
+            for e in expected.iter().filter(|e| &e.probe == probe && e.pass.is_some()) {
                 let Expected::Value(v) = e.expected else { continue };
                 // Many names would hide the curves.
                 let name =

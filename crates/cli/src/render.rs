@@ -7,8 +7,8 @@ use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, ParticleView, ShapeId, World};
 use jounce_render::{
-    Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails, contact_overlay,
-    default_skin, render_with, sensor_overlay, srgb, write_whole,
+    Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails,
+    contact_overlay, default_skin, render_with, sensor_overlay, srgb, write_whole,
 };
 use jounce_scene::{Scene, Simulation, System};
 use std::path::Path;
@@ -199,7 +199,8 @@ impl<'a> Painter<'a> {
         let tails = simulation.systems().iter().enumerate();
         let tails =
             tails.filter_map(|(i, s)| Some((Trails::new(Some(s.trail_s()?), s.radius() * 0.5), i))).collect();
-        let mut painter = Self { scene, options, camera, followed, trails, tails, caption: false, contacts: false };
+        let mut painter =
+            Self { scene, options, camera, followed, trails, tails, caption: false, contacts: false };
         painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);
         painter.watch(simulation);
         painter

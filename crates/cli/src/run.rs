@@ -98,16 +98,27 @@ pub fn summary(r: &Report) -> String {
                 expected,
                 e.got.map_or_else(|| "nothing".into(), number),
                 number(e.tolerance),
-                if e.pass { "ok" } else { "MISS" }.into(),
+                match e.pass {
+                    Some(true) => "ok",
+                    Some(false) => "MISS",
+                    None => "not judged",
+                }
+                .into(),
             ]);
         }
         text += "\n";
         text += &t.text();
     }
-    if !r.expectations_unreached.is_empty() {
-        text += &format!("\ntoo short a run for: {}\n", r.expectations_unreached.join(", "));
-    }
     text
+}
+
+/// Says which expectations the run was too short for: that it ends well says nothing of them.
+fn warn_of_the_rest(r: &Report) {
+    let rest: Vec<String> = r.not_judged().map(|e| format!("{} (at {} s)", e.name, number(e.at))).collect();
+    if !rest.is_empty() {
+        let simulated = number(r.seconds_simulated);
+        note(&format!("warning: {simulated} s are too short to judge: {}", rest.join(", ")));
+    }
 }
 
 fn vector(v: &[f64; 3]) -> String {
@@ -130,6 +141,7 @@ pub fn run(a: &RunArgs) -> Done {
         note(&format!("wrote {}", path.display()));
     }
     let report = simulation.finish();
+    warn_of_the_rest(&report);
     if a.json {
         print(&(report.json() + "\n"))?;
     } else {

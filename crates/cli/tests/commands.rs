@@ -96,8 +96,15 @@ fn run_json_has_the_contracts_keys_and_one_hash_for_all_threads() {
 
     let many = json(&jounce(&["run", "tests/data/drop.json", "--json", "--threads", "3"]));
     assert_eq!(many["hash"].as_str(), Some(hash));
-    let short = json(&jounce(&["run", "tests/data/drop.json", "--json", "--seconds", "0.5"]));
-    assert_eq!(short["steps"].as_u64(), Some(30));
+    // Too short a run: no failure, and no silence.
+    let o = jounce(&["run", "tests/data/drop.json", "--json", "--seconds", "0.5"]);
+    let short = json(&o);
+    assert_eq!((code(&o), short["steps"].as_u64()), (0, Some(30)));
+    let e = &short["expectations"][0];
+    assert!(e["name"] == "rests" && e["pass"].is_null() && e["got"].is_null(), "{e}");
+    assert!(err(&o).contains("warning: 0.5 s are too short to judge: rests (at 1.5 s)"), "{}", err(&o));
+    let o = jounce(&["run", "tests/data/drop.json", "--seconds", "0.5"]);
+    assert!(code(&o) == 0 && out(&o).contains("not judged") && err(&o).contains("warning:"), "{}", out(&o));
     let o = jounce(&["run", "tests/data/misses.json", "--json"]);
     assert_eq!((code(&o), json(&o)["expectations"][0]["pass"].as_bool()), (1, Some(false)));
 }
@@ -295,6 +302,44 @@ fn check_points_at_the_mistake() {
     let v = json(&o);
     let e = &v["files"][0]["error"];
     assert_eq!((e["line"].as_u64(), e["suggestion"].as_str()), (Some(4), Some("position")), "{v}");
+}
+
+/// `run --json` of a refused scene printed nothing on standard output.
+#[test]
+fn a_refused_call_prints_one_json_object_where_that_was_asked_for() {
+    let o = jounce(&["run", "tests/data/broken.json", "--json"]);
+    assert_eq!(code(&o), 2);
+    let e = &json(&o)["error"];
+    assert_eq!((e["line"].as_u64(), e["suggestion"].as_str()), (Some(4), Some("position")), "{e}");
+    assert!(err(&o).contains("4 |"), "{}", err(&o));
+    for words in [
+        &["run", "tests/data/none.json", "--json"][..],
+        &["verify", "no_such_law_anywhere", "--json"],
+        &["bench", "no_such_scene", "--json"],
+    ] {
+        let o = jounce(words);
+        let v = json(&o);
+        assert!(code(&o) == 2 && v["error"]["message"].is_string() && v["error"]["line"].is_null(), "{v}");
+    }
+}
+
+/// A mistake in a mesh was shown with the line of that number of the scene, and without the scene's place.
+#[test]
+fn a_mistake_in_a_mesh_is_shown_where_the_scene_names_it() {
+    let scene = "../scene/tests/broken/mesh_bad_line.json";
+    let o = jounce(&["check", scene]);
+    let message = err(&o);
+    for word in [
+        "mesh_bad_line.json:6:15: meshes.rock.file: mesh ",
+        "bad_line.obj:3:7: found `nan`",
+        "6 |       \"file\"",
+    ] {
+        assert!(message.contains(word), "{word}: {message}");
+    }
+    let v = json(&jounce(&["check", scene, "--json"]));
+    let e = &v["files"][0]["error"];
+    assert_eq!((e["line"].as_u64(), e["key"].as_str()), (Some(6), Some("meshes.rock.file")), "{v}");
+    assert!(e["message"].as_str().is_some_and(|m| m.contains("bad_line.obj:3:7")), "{v}");
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn main() -> jounce::Result<()> {
         let advance = world.advance(frame_dt)?;
 
         // What happened in them: sounds, damage, score.
-        for event in if advance.steps > 0 { world.events() } else { &[] } {
+        for event in world.events() {
             if let Event::ContactHit { a, b, speed, impulse, .. } = *event {
                 let (a, b) = (name(&world, world.shape(a)?.body()), name(&world, world.shape(b)?.body()));
                 println!("frame {frame}: {a} hits {b} at {speed:.1} m/s, {impulse:.1} N s");

@@ -19,10 +19,11 @@ pub enum Error {
         /// What would be accepted.
         expected: &'static str,
     },
-    /// A handle whose body or shape was removed, or that belongs to another world.
-    #[error("{what} handle {index}v{generation} is stale: it was removed, or belongs to another world")]
+    /// A handle that names nothing in this world: what it named was removed, or it was never given out here. A handle of another
+    /// world that happens to name something here is taken for that; worlds do not sign their handles.
+    #[error("{what} handle {index}v{generation} is stale: it names nothing in this world, or no longer")]
     Stale {
-        /// "body" or "shape".
+        /// "body", "shape" or "field".
         what: &'static str,
         /// Slot index of the handle.
         index: u32,

@@ -3,7 +3,8 @@
 use crate::{BodyId, EmitterId, ShapeId};
 use jounce_math::{DVec3, Vec3};
 
-/// Something that happened during the last step (or over all steps of the last [`crate::World::advance`]).
+/// Something that happened in a step, or by an edit between steps: that is told with the next step's events, before them. See
+/// [`crate::World::events`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
@@ -45,9 +46,9 @@ pub enum Event {
     },
     /// A shape left a sensor (or one of the two was removed or disabled).
     SensorLeave {
-        /// The sensor.
+        /// The sensor (may be stale by now).
         sensor: ShapeId,
-        /// The visitor.
+        /// The visitor (may be stale by now).
         visitor: ShapeId,
     },
     /// A body fell asleep.
@@ -67,7 +68,8 @@ pub enum Event {
         body: BodyId,
     },
     /// A body reached the speed limit `Settings::linear_speed_max` or the spin limit `Settings::rotation_per_step_max` and was
-    /// held to it; in every step in which that was so.
+    /// held to it; in every step in which that was so. Not told of kinematic bodies on their way to a pose
+    /// ([`crate::World::move_to`]): those arrive.
     SpeedLimited {
         /// The body.
         body: BodyId,

@@ -1,13 +1,13 @@
-//! The state hash: one `u64` over everything that orders arithmetic or affects the future.
+//! The state hash: one `u64` over everything that a step, or a call between steps, leaves behind.
 //!
-//! Not cryptographic: a 64×64→128 multiply folds each word into the state (the idea of wyhash). Words are
-//! fed in a fixed order with explicit lengths, floats by their bits, so two worlds have the same hash exactly
-//! when their states have the same bits.
+//! Not cryptographic: a 64×64→128 multiply folds each word into the state (the idea of wyhash). Words are fed in a fixed order,
+//! floats by their bits. The queue goes in by the text of its commands (`{:?}`), which has every number in full.
 
 use crate::event::Event;
 use crate::room::contacts::state::{Contact, Place, ShapeRecord};
 use crate::room::rigid::state::{Body, BodyFrame};
 use crate::world::World;
+use core::fmt::Write;
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
 /// Incremental 64-bit hash of words.
@@ -75,8 +75,13 @@ impl StateHasher {
 }
 
 impl World {
-    /// One number over the whole state: equal for two worlds exactly when their states (and so their futures) have the
-    /// same bits, up to collisions of 64 bits.
+    /// One number over the state: poses, velocities, forces, contacts with their impulses, who sleeps, sensors' visitors, fields,
+    /// the events of the last step, the callers' numbers, and what waits for the next step (queued commands, events of edits).
+    ///
+    /// Worlds with the same state have the same hash; that two with different states have it too takes a collision of 64 bits. Of
+    /// worlds that were made alike and edited alike, equal hashes therefore mean equal futures. Not in it is what only
+    /// descriptions and edits set and no step changes: settings and step length, geometry, surfaces and filters of the shapes,
+    /// names, hooks; nor the part of a step that [`World::advance`] has yet to make.
     pub fn hash(&self) -> u64 {
         let mut h = StateHasher::default();
         h.word(self.step_count);
@@ -127,8 +132,58 @@ impl World {
             self.hash_fields(&mut h);
         }
         self.particles.hash(&mut h);
-        self.events.iter().for_each(|e| hash_event(&mut h, e));
+        self.told.last().iter().for_each(|e| hash_event(&mut h, e));
+        self.hash_waiting(&mut h);
         h.finish()
+    }
+}
+
+impl World {
+    /// What waits for the next step: events of edits, and the queue. Nothing waiting is no word.
+    fn hash_waiting(&self, h: &mut StateHasher) {
+        if !self.events.is_empty() {
+            h.pair(self.events.len() as u32, 5);
+            self.events.iter().for_each(|e| hash_event(h, e));
+        }
+        if !self.queue.is_empty() {
+            h.pair(self.queue.len() as u32, 6);
+            let mut words = Words { h, word: 0, bytes: 0 };
+            for command in &self.queue {
+                // A `Words` takes everything in.
+                let _ = write!(words, "{command:?}\n");
+            }
+            words.h.word(words.word);
+        }
+    }
+}
+
+/// Text as words of eight bytes: of a command, the name of its kind and all its numbers, written so that they can be read back.
+struct Words<'a> {
+    h: &'a mut StateHasher,
+    word: u64,
+    bytes: u32,
+}
+
+impl core::fmt::Write for Words<'_> {
+    fn write_str(&mut self, s: &str) -> core::fmt::Result {
+        for b in s.bytes() {
+            self.word = (self.word << 8) | u64::from(b);
+            self.bytes += 1;
+            if self.bytes.is_multiple_of(8) {
+                self.h.word(self.word);
+                self.word = 0;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The caller's number; zero, the default, is no word.
+fn hash_user_data(h: &mut StateHasher, data: u128, what: u32) {
+    if data != 0 {
+        h.pair(7, what);
+        h.word((data >> 64) as u64);
+        h.word(data as u64);
     }
 }
 
@@ -145,6 +200,7 @@ fn hash_body(h: &mut StateHasher, b: &Body, f: &BodyFrame) {
     for &id in &b.contacts {
         h.pair(id, 4);
     }
+    hash_user_data(h, b.user_data, 0);
 }
 
 fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord) {
@@ -167,6 +223,7 @@ fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord) {
     for &(a, b) in &s.visitors {
         h.pair(a, b);
     }
+    hash_user_data(h, s.user_data, 1);
 }
 
 fn hash_contact(h: &mut StateHasher, c: &Contact) {

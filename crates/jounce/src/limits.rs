@@ -7,8 +7,12 @@ pub const BODIES_MAX: usize = 1 << 22;
 pub const SHAPES_MAX: usize = 1 << 23;
 /// Most shapes on one body.
 pub const SHAPES_PER_BODY_MAX: usize = 1 << 16;
-/// Most shape pairs whose bounds overlap.
-pub const CONTACTS_MAX: usize = 1 << 24;
+/// Most shape pairs whose bounds overlap. A pair that touches takes about 1.5 KB with its solver row, so that all together take
+/// 3 to 4 GB; pairs beyond are left out.
+pub const CONTACTS_MAX: usize = 1 << 21;
+/// Most new pairs that 32 shapes may find in one step where [`CONTACTS_MAX`] shared out among all that moved gives them less; the
+/// rest of them is found in the steps after it.
+pub const FOUND_PAIRS_MAX: usize = 1 << 12;
 /// Farthest coordinate, metres; a body beyond it is quarantined.
 pub const POSITION_MAX: f64 = 1e9;
 /// Fastest speed accepted at the door, m/s (steps clamp to `Settings::linear_speed_max`).

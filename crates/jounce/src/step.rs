@@ -80,7 +80,8 @@ impl Stage {
     }
 }
 
-/// Watches the stages of a step go by: timing, tracing, hashing. The core itself reads no clock.
+/// Watches the stages of a step go by: timing, tracing, hashing. The core itself reads no clock. [`World::events`] has those of
+/// the step after its last stage.
 pub trait StageObserver {
     /// A stage has just ended.
     fn after(&mut self, stage: Stage, world: &World);
@@ -132,13 +133,14 @@ impl World {
     /// # Errors
     /// As [`World::step`].
     pub fn step_observed(&mut self, observer: &mut dyn StageObserver) -> Result<()> {
-        self.events.clear();
+        self.told.begin();
         self.one_step(observer);
         Ok(())
     }
 
     /// Makes as many steps as a frame of `frame_dt` seconds is due, at most 8; what is due beyond that is dropped and
-    /// told. Forces act during the first step; when no step is made they wait. Events gather over all steps.
+    /// told. Forces act during the first step; when no step is made they wait, as do the events of edits. Events gather over all
+    /// steps of the call.
     ///
     /// # Errors
     /// `frame_dt` negative or not finite.
@@ -147,9 +149,7 @@ impl World {
         let dt = self.dt();
         self.accumulator += frame_dt;
         let mut result = Advance::default();
-        if self.accumulator >= dt {
-            self.events.clear();
-        }
+        self.told.begin();
         while self.accumulator >= dt && result.steps < limits::ADVANCE_STEPS_MAX {
             self.accumulator -= dt;
             self.one_step(&mut Nobody);
@@ -171,6 +171,9 @@ impl World {
         let step = Step { dt, substeps: self.substeps, constants };
         for (stage, run) in STAGES {
             run(self, &step);
+            if stage == Stage::Publish {
+                self.told.take(&mut self.events);
+            }
             observer.after(stage, self);
             validate::check_after(self, stage);
         }

@@ -78,11 +78,12 @@ impl<'a> BodyRef<'a> {
     pub fn center_of_mass(&self) -> DVec3 {
         self.frame.center
     }
-    /// Velocity of the centre of mass, m/s.
+    /// Velocity of the centre of mass, m/s: at most `Settings::linear_speed_max`, as in contacts; so too of a kinematic body that
+    /// [`World::move_to`] took farther in a step.
     pub fn velocity(&self) -> Vec3 {
         self.world.velocities(self.body).0
     }
-    /// Angular velocity, world axes, rad/s.
+    /// Angular velocity, world axes, rad/s; limited likewise, by `Settings::rotation_per_step_max`.
     pub fn angular_velocity(&self) -> Vec3 {
         self.world.velocities(self.body).1
     }

@@ -56,13 +56,48 @@ pub struct World {
     pub(crate) fields: Fields,
     pub(crate) particles: Particles,
 
+    /// What happened since the last step ended (edits), then in the step being made; told as it ends.
     pub(crate) events: Vec<Event>,
+    pub(crate) told: Told,
     pub(crate) queue: Vec<Command>,
     pub(crate) hooks: Hooks,
     pub(crate) tasks: Tasks,
     /// Lanes of the solver's kernels; changes no bit.
     pub(crate) width: Width,
     pub(crate) scratch: Scratch,
+}
+
+/// The events of steps that have ended.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Told {
+    list: Vec<Event>,
+    /// Where those that users see begin.
+    shown: usize,
+    /// Where those of the last step begin.
+    last: usize,
+}
+
+impl Told {
+    fn shown(&self) -> &[Event] {
+        &self.list[self.shown..]
+    }
+    /// Those of the last step: they do not depend on how steps were shared out over frames, and so are part of the hash.
+    pub(crate) fn last(&self) -> &[Event] {
+        &self.list[self.last..]
+    }
+    /// A call that will make steps, or none, begins with an empty list.
+    pub(crate) fn begin(&mut self) {
+        self.shown = self.list.len();
+    }
+    /// Takes in the events of a step; the other list is left empty.
+    pub(crate) fn take(&mut self, events: &mut Vec<Event>) {
+        if self.shown == self.list.len() {
+            self.list.clear();
+            self.shown = 0;
+        }
+        self.last = self.list.len();
+        self.list.append(events);
+    }
 }
 
 /// Kinetic and potential energy, J.
@@ -159,6 +194,7 @@ impl World {
             fields: Fields::default(),
             particles: Particles::default(),
             events: Vec::new(),
+            told: Told::default(),
             queue: Vec::new(),
             hooks: Hooks::default(),
             tasks: Tasks::serial(),
@@ -194,9 +230,25 @@ impl World {
         self.queue.push(command);
         Ok(())
     }
-    /// What happened in the last step, or over all steps of the last [`World::advance`].
+    /// What happened in the last step, or over all steps of the last [`World::advance`] (nothing where it made none). What
+    /// edits between steps cause, such as the end of a contact by a removal, comes first in the list of the next step.
+    ///
+    /// ```
+    /// use jounce::prelude::*;
+    ///
+    /// # fn main() -> jounce::Result<()> {
+    /// let mut world = World::new(WorldDesc::default())?;
+    /// world.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y)))?;
+    /// let ball = world.add_body(BodyDesc::dynamic().at([0.0, 0.5, 0.0]).shape(ShapeDesc::sphere(0.5)))?;
+    /// world.step()?;
+    /// world.remove_body(ball)?;
+    /// world.step()?;
+    /// assert!(matches!(world.events(), [Event::ContactEnd { .. }]));
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn events(&self) -> &[Event] {
-        &self.events
+        self.told.shown()
     }
     /// Simulated time, seconds.
     pub fn time(&self) -> f64 {
@@ -308,6 +360,9 @@ impl World {
 impl World {
     /// Adds a body with its shapes.
     ///
+    /// A dynamic body without mass (no shapes yet, or only shapes of density 0, or sensors; no mass of its own) is accepted: it
+    /// keeps its velocity, and neither gravity nor forces nor contacts change it, until it is given mass. Scene files refuse it.
+    ///
     /// # Errors
     /// A description out of range, named; nothing is added then.
     pub fn add_body(&mut self, desc: BodyDesc) -> Result<BodyId> {
@@ -377,7 +432,8 @@ sugar! {
     remove_shape(shape: ShapeId) => Command::RemoveShape(shape);
     /// Puts a body somewhere at once (no interpolation in between).
     teleport(body: BodyId, position: DVec3, rotation: Quat) => Command::Teleport(body, position, rotation);
-    /// Kinematic bodies: moves to a pose within the next step, pushing what is in the way.
+    /// Kinematic bodies: moves to a pose within the next step, however far it is, pushing what is in the way: at no more than the
+    /// speed limits of the settings, which is also the velocity that is then told of the body.
     move_to(body: BodyId, position: DVec3, rotation: Quat) => Command::MoveTo(body, position, rotation);
     /// Sets the velocity of the centre of mass, m/s.
     set_velocity(body: BodyId, velocity: Vec3) => Command::SetVelocity(body, velocity);

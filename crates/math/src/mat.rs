@@ -6,7 +6,7 @@ use core::ops::{Add, Mul, Sub};
 macro_rules! matrix {
     ($m:ident, $v:ident, $t:ident) => {
         /// A 3×3 matrix, stored by columns.
-        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[derive(Clone, Copy, Default, PartialEq)]
         #[repr(C)]
         pub struct $m {
             /// First column.
@@ -15,6 +15,14 @@ macro_rules! matrix {
             pub cy: $v,
             /// Third column.
             pub cz: $v,
+        }
+
+        /// Row by row: messages show it.
+        impl core::fmt::Debug for $m {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                let (x, y, z) = (self.cx, self.cy, self.cz);
+                [[x.x, y.x, z.x], [x.y, y.y, z.y], [x.z, y.z, z.z]].fmt(f)
+            }
         }
 
         impl $m {

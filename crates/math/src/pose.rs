@@ -3,13 +3,20 @@
 use crate::{DVec3, Quat, Vec3};
 
 /// A frame relative to another local frame: x ↦ q x + p, all `f32`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 #[repr(C)]
 pub struct Pose {
     /// Translation, metres.
     pub p: Vec3,
     /// Rotation.
     pub q: Quat,
+}
+
+/// "p turned q": messages show it.
+impl core::fmt::Debug for Pose {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{:?} turned {:?}", self.p, self.q)
+    }
 }
 
 impl Pose {
@@ -58,13 +65,20 @@ impl Pose {
 }
 
 /// A frame in the world: `f64` position, `f32` rotation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Default, PartialEq)]
 #[repr(C)]
 pub struct WorldPose {
     /// Position in the world, metres.
     pub p: DVec3,
     /// Rotation.
     pub q: Quat,
+}
+
+/// "p turned q": messages show it.
+impl core::fmt::Debug for WorldPose {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "{:?} turned {:?}", self.p, self.q)
+    }
 }
 
 impl WorldPose {

@@ -6,7 +6,7 @@ use core::ops::Mul;
 macro_rules! quaternion {
     ($q:ident, $v:ident, $m:ident, $t:ident, $scalar:ident) => {
         /// A rotation as a unit quaternion (x, y, z, w).
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Copy, PartialEq)]
         #[repr(C)]
         pub struct $q {
             /// Vector part, x.
@@ -17,6 +17,13 @@ macro_rules! quaternion {
             pub z: $t,
             /// Scalar part.
             pub w: $t,
+        }
+
+        /// [x, y, z, w]: messages show it.
+        impl core::fmt::Debug for $q {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                [self.x, self.y, self.z, self.w].fmt(f)
+            }
         }
 
         impl Default for $q {

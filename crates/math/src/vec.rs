@@ -5,7 +5,7 @@ use core::ops::{Add, AddAssign, Div, Index, Mul, MulAssign, Neg, Sub, SubAssign}
 macro_rules! vector {
     ($v:ident, $t:ident, $scalar:ident, $doc:literal) => {
         #[doc = $doc]
-        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        #[derive(Clone, Copy, Default, PartialEq)]
         #[repr(C)]
         pub struct $v {
             /// First component.
@@ -14,6 +14,13 @@ macro_rules! vector {
             pub y: $t,
             /// Third component.
             pub z: $t,
+        }
+
+        /// [x, y, z]: messages show it.
+        impl core::fmt::Debug for $v {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                self.to_array().fmt(f)
+            }
         }
 
         impl $v {

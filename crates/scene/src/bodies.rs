@@ -9,7 +9,7 @@ use crate::spec::{
 };
 use jounce::geometry::{MassProperties, limits::SIZE_MAX};
 use jounce::math::{DVec3, Mat3, Quat, Vec3};
-use jounce::{AxisLocks, BodyDesc, BodyKind, MassSpec};
+use jounce::{AxisLocks, BodyDesc, BodyKind, MassSpec, ShapeDesc};
 use std::collections::{BTreeMap, HashMap};
 
 /// A body to be copied.
@@ -58,16 +58,18 @@ impl Group {
         &self.templates[n % self.templates.len()]
     }
 
-    /// The names that the group gives, and how many bodies bear each; `times` is how often it is made.
-    pub(crate) fn names(&self, times: u64) -> Checked<Vec<(String, u64)>> {
+    /// The names that the group gives, and who bears each; `times` is how often it is made.
+    pub(crate) fn names(&self, times: u64) -> Checked<Vec<(String, Bearers)>> {
         let mut names = Vec::new();
         let all = (self.len() as u64).saturating_mul(times);
-        names.extend(self.name.iter().map(|n| (n.clone(), all)));
+        let kinds = || self.templates.iter().map(|t| t.desc.kind).collect();
+        names.extend(self.name.iter().map(|n| (n.clone(), Bearers { count: all, kinds: kinds() })));
         if self.templates.len() > 1 || !self.single {
             let each = self.templates.len() as u64;
             for (t, template) in self.templates.iter().enumerate() {
                 let own = template.desc.name.iter().filter(|n| Some(*n) != self.name.as_ref());
-                names.extend(own.map(|n| (n.clone(), (all + each - 1 - t as u64) / each)));
+                let count = (all + each - 1 - t as u64) / each;
+                names.extend(own.map(|n| (n.clone(), Bearers { count, kinds: vec![template.desc.kind] })));
             }
         }
         Ok(names)
@@ -125,17 +127,24 @@ impl Census {
     }
 }
 
-/// Names of bodies and how many bear each.
+/// The bodies that bear a name: how many, and of which kinds in turn.
+#[derive(Clone, Debug)]
+pub(crate) struct Bearers {
+    count: u64,
+    kinds: Vec<BodyKind>,
+}
+
+/// Names of bodies and who bears each.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Names(BTreeMap<String, u64>);
+pub(crate) struct Names(BTreeMap<String, Bearers>);
 
 impl Names {
-    pub(crate) fn add(&mut self, name: &str, count: u64) -> Checked<()> {
+    pub(crate) fn add(&mut self, name: &str, bearers: Bearers) -> Checked<()> {
         if name.is_empty() || name.contains(['[', ']']) || name.len() > jounce::limits::NAME_MAX - 12 {
             let expected = "1 to 244 bytes without square brackets";
             return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
         }
-        if self.0.insert(name.into(), count).is_some() {
+        if self.0.insert(name.into(), bearers).is_some() {
             return Err(
                 Wrong::new(format!("\"{name}\" is given to two bodies"), "a name of its own").key("name")
             );
@@ -152,7 +161,7 @@ impl Names {
             },
             None => (text, None),
         };
-        let Some(&count) = self.0.get(name) else {
+        let Some(&Bearers { count, .. }) = self.0.get(name) else {
             return Err(crate::shapes::unknown("body", name, self.0.keys().map(String::as_str)));
         };
         if count == 0 {
@@ -165,6 +174,23 @@ impl Names {
             )),
             _ => Ok(Target { name: name.into(), index, count: if index.is_some() { 1 } else { count } }),
         }
+    }
+
+    /// The bodies that a text names, all of which must be of these kinds; `expected` says so.
+    pub(crate) fn resolve_only(&self, text: &str, kinds: &[BodyKind], expected: &str) -> Checked<Target> {
+        let target = self.resolve(text)?;
+        let all = self.0.get(&target.name).map_or(&[][..], |b| &b.kinds);
+        let those = match target.index {
+            None => &all[..all.len().min(target.count as usize)],
+            Some(n) => core::slice::from_ref(&all[n % all.len()]),
+        };
+        let Some(wrong) = those.iter().find(|k| !kinds.contains(k)) else { return Ok(target) };
+        let kind = match wrong {
+            BodyKind::Fixed => "fixed",
+            BodyKind::Kinematic => "kinematic",
+            BodyKind::Dynamic => "dynamic",
+        };
+        Err(Wrong::new(format!("\"{text}\" names a {kind} body"), expected))
     }
 }
 
@@ -212,6 +238,7 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
     d.asleep = b.asleep.unwrap_or(d.asleep);
     d.enabled = b.enabled.unwrap_or(d.enabled);
     d.check()?;
+    d.shapes.reserve_exact(b.shapes.len());
     for (i, s) in b.shapes.iter().enumerate() {
         let built = library.shape(s).and_then(|shape| {
             let alone = BodyDesc::new(d.kind).shape(shape.clone());
@@ -230,11 +257,32 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
         (None, Some(m)) => scale_mass(&mut d, m).key("mass")?,
         (None, None) => {}
     }
-    if d.kind == BodyKind::Dynamic && d.shapes.is_empty() && d.mass.is_none() {
-        return Err(Wrong::new("the dynamic body has no shapes", "at least one shape, or mass_properties"));
+    if d.kind == BodyKind::Dynamic && d.mass.is_none() {
+        if d.shapes.is_empty() {
+            return Err(Wrong::new(
+                "the dynamic body has no shapes",
+                "at least one shape, or mass_properties",
+            ));
+        }
+        if masses(&d).iter().all(|m| *m <= 0.0) {
+            return Err(Wrong::new(
+                "the dynamic body has no mass",
+                "a shape that is no sensor, with density or mass above 0, or mass_properties",
+            ));
+        }
     }
     let color = b.color.as_deref().map(color).transpose().key("color")?;
     Ok(Template { desc: d, color })
+}
+
+/// What each shape weighs, kg.
+fn masses(d: &BodyDesc) -> Vec<f32> {
+    let mass = |s: &ShapeDesc| match s.mass {
+        _ if s.sensor => 0.0,
+        MassSpec::Mass(m) => m,
+        MassSpec::Density(x) => s.shape.mass_properties(x).map_or(0.0, |p| p.mass),
+    };
+    d.shapes.iter().map(mass).collect()
 }
 
 /// Scales the shapes' masses to a sum.
@@ -242,15 +290,7 @@ fn scale_mass(d: &mut BodyDesc, total: f32) -> Checked<()> {
     if !(jounce::limits::MASS_MIN..=jounce::limits::MASS_MAX).contains(&total) {
         return Err(Wrong::new(format!("is {total}"), "a positive mass, 1e-12 to 1e15 kg"));
     }
-    let own: Vec<f32> = d
-        .shapes
-        .iter()
-        .map(|s| match s.mass {
-            _ if s.sensor => 0.0,
-            MassSpec::Mass(m) => m,
-            MassSpec::Density(x) => s.shape.mass_properties(x).map_or(0.0, |p| p.mass),
-        })
-        .collect();
+    let own = masses(d);
     let sum: f32 = own.iter().sum();
     if !(sum > 0.0 && sum.is_finite()) {
         return Err(Wrong::new(

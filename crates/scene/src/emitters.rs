@@ -35,9 +35,7 @@ pub(crate) fn emitters(all: &[EmitterSpec], library: &mut Library, names: &Names
 /// Which entry a name means.
 pub(crate) fn find(name: &str, all: &[Emitters]) -> Checked<usize> {
     let known = all.iter().filter_map(|e| e.name.as_deref());
-    all.iter()
-        .position(|e| e.name.as_deref() == Some(name))
-        .ok_or_else(|| unknown("emitter", name, known))
+    all.iter().position(|e| e.name.as_deref() == Some(name)).ok_or_else(|| unknown("emitter", name, known))
 }
 
 fn entry(e: &EmitterSpec, library: &mut Library, names: &Names) -> Checked<Emitters> {

@@ -98,7 +98,7 @@ struct WrongParts {
     expected: String,
     suggestion: Option<String>,
     at_key: bool,
-    /// A mesh file's own complaint, or absent assets: shown as it is.
+    /// Absent assets: shown as they are.
     ready: Option<SceneError>,
 }
 
@@ -194,7 +194,7 @@ impl From<jounce::Error> for Wrong {
                 w
             }
             Error::Geometry(g) => g.into(),
-            Error::Unsupported { what, advice } => Self::new(what, advice),
+            Error::Unsupported { what, advice } => Self::new(format!("{what}: {advice}"), ""),
             Error::Limit { what, limit } => {
                 Self::new(format!("too many: {what}"), format!("at most {limit}"))
             }

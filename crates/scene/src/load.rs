@@ -6,11 +6,11 @@ use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::fields::{Field, fields};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
-use crate::plan::{Sources, Entry, Expect, Look, expects, probes, timeline};
+use crate::plan::{Entry, Expect, Look, Sources, expects, probes, step_at, step_from, timeline};
 use crate::read::read;
-use crate::systems::{System, systems};
 use crate::shapes::{Library, settings};
 use crate::spec::{SceneSpec, TrailsSpec};
+use crate::systems::{System, systems};
 use jounce::math::Vec3;
 use jounce::{World, WorldDesc};
 use std::collections::BTreeSet;
@@ -113,10 +113,11 @@ impl Scene {
         &self.world
     }
 
-    /// Length of a run, s: what the scene says, or the last time that it names, or 5.
+    /// Length of a run, s: what the scene says; or up to its last expectation, and a second beyond the end of its last timed
+    /// action; or 5.
     pub fn seconds(&self) -> f64 {
         let asked = self.spec.expect.iter().map(|e| e.at);
-        let acts = self.timeline.iter().map(|t| t.at + t.every * (t.times - 1) as f64);
+        let acts = self.timeline.iter().map(|t| t.end() + 1.0);
         let last = asked.chain(acts).fold(0.0, |a, b| if b > a { b } else { a });
         let otherwise = if last > 0.0 { last } else { 5.0 };
         self.spec.seconds.unwrap_or(if otherwise > limits::SECONDS_MAX {
@@ -158,12 +159,32 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
     let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names, &sources)?;
     let probes = probes(&spec.probes, &names, &sources)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
+    within(&spec, world.rate_hz)?;
     looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
     Ok(Scene { name, world, groups, fields, emitters, systems, timeline, probes, expects, spec })
 }
 
-/// Puts every template into a world once: what the engine refuses (a body without mass, …) is told with its place.
+/// Nothing may be said of a time that a run of the scene's own length does not reach: it would pass in silence.
+fn within(spec: &SceneSpec, rate_hz: f64) -> Checked<()> {
+    let Some(seconds) = spec.seconds else { return Ok(()) };
+    let end = step_at(seconds, rate_hz);
+    let late = |at: f64, expected: String, i: usize, list: &str| {
+        Err(Wrong::new(format!("is {at}, beyond the end of the run"), expected).key("at").index(i).key(list))
+    };
+    if let Some((i, e)) = spec.expect.iter().enumerate().find(|(_, e)| step_at(e.at, rate_hz) > end) {
+        return late(e.at, format!("at most `seconds`, {seconds}"), i, "expect");
+    }
+    if let Some((i, t)) = spec.timeline.iter().enumerate().find(|(_, t)| step_from(t.at, rate_hz) >= end) {
+        let last = (end as f64 - 1.0) / rate_hz;
+        let expected =
+            format!("no later than the last step of `seconds`, {seconds}, which starts at {last:.4}");
+        return late(t.at, expected, i, "timeline");
+    }
+    Ok(())
+}
+
+/// Puts every template into a world once: what the engine refuses (a mass out of range, …) is told with its place.
 fn trial(spec: &SceneSpec, world: &WorldDesc, groups: &[Group]) -> Checked<()> {
     let mut world = World::new(world.clone())?;
     let single = groups.iter().take(spec.bodies.len()).enumerate();
@@ -185,7 +206,7 @@ fn try_one(world: &mut World, g: &Group, template: usize) -> Checked<()> {
 }
 
 fn name_all(g: &Group, names: &mut Names) -> Checked<()> {
-    g.names(1)?.iter().try_for_each(|(n, count)| names.add(n, *count))
+    g.names(1)?.into_iter().try_for_each(|(n, bearers)| names.add(&n, bearers))
 }
 
 /// Checks camera and colours, so that a picture cannot fail for the scene's sake.
@@ -196,16 +217,16 @@ fn looks(spec: &SceneSpec, names: &Names) -> Checked<()> {
         if r.sun.is_some_and(|s| s == [0.0; 3]) {
             return Err(Wrong::new("is zero", "a direction").key("sun").key("render"));
         }
-        if r.sun_strength.is_some_and(|s| !(0.0..=4.0).contains(&s)) {
-            return Err(Wrong::new("is out of range", "0 to 4").key("sun_strength").key("render"));
+        if let Some(s) = r.sun_strength.filter(|s| !(0.0..=4.0).contains(s)) {
+            return Err(Wrong::new(format!("is {s}"), "0 to 4").key("sun_strength").key("render"));
         }
         if let Some(t) = &r.trails {
             trails(t, names).key("trails").key("render")?;
         }
     }
     let Some(c) = &spec.camera else { return Ok(()) };
-    if c.fov_deg.is_some_and(|f| !(1.0..=170.0).contains(&f)) {
-        return Err(Wrong::new("is out of range", "1 to 170 degrees").key("fov_deg").key("camera"));
+    if let Some(f) = c.fov_deg.filter(|f| !(1.0..=170.0).contains(f)) {
+        return Err(Wrong::new(format!("is {f}"), "1 to 170 degrees").key("fov_deg").key("camera"));
     }
     if c.position == c.target.unwrap_or([0.0; 3]) {
         return Err(Wrong::new("is the same as `target`", "a place to look from")

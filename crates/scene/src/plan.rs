@@ -1,16 +1,16 @@
 //! Probes, timed actions and expectations, checked against the bodies of the scene before anything runs.
 
 use crate::bodies::{Census, Group, Names, Target, group};
-use crate::error::{Checked, Under, Wrong, closest};
 use crate::emitters::{Emitters, find as find_emitter};
+use crate::error::{Checked, Under, Wrong, closest};
 use crate::fields::{Field, explosion, find as find_field};
 use crate::limits;
 use crate::shapes::{Library, rotation, unknown};
-use crate::systems::System;
 use crate::spec::{AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec};
-use jounce::Explosion;
+use crate::systems::System;
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
+use jounce::{BodyKind, Explosion};
 
 /// What a scene holds beside bodies, for those who name it.
 #[derive(Clone, Copy)]
@@ -193,7 +193,11 @@ pub(crate) enum Look {
     Emitter { emitter: usize, value: EmitterValue },
 }
 
-pub(crate) fn probes(all: &Map<ProbeSpec>, names: &Names, sources: &Sources<'_>) -> Checked<Vec<(String, Look)>> {
+pub(crate) fn probes(
+    all: &Map<ProbeSpec>,
+    names: &Names,
+    sources: &Sources<'_>,
+) -> Checked<Vec<(String, Look)>> {
     let mut out = Vec::with_capacity(all.0.len());
     for (name, p) in &all.0 {
         out.push((name.clone(), probe(p, names, sources).key(name).key("probes")?));
@@ -298,6 +302,12 @@ pub(crate) fn step_at(time: f64, rate_hz: f64) -> u64 {
     (time * rate_hz).round() as u64
 }
 
+/// Number of steps before the first that starts at or after a time.
+pub(crate) fn step_from(time: f64, rate_hz: f64) -> u64 {
+    // The small part keeps 0.1 · 60 = 6.000000000000001 at step 6.
+    (time * rate_hz - 1e-6).ceil() as u64
+}
+
 pub(crate) fn time(t: f64) -> Checked<f64> {
     if (0.0..=limits::SECONDS_MAX).contains(&t) {
         return Ok(t);
@@ -349,6 +359,17 @@ pub(crate) struct Entry {
     pub every: f64,
     pub times: u64,
     pub action: Action,
+}
+
+impl Entry {
+    /// When the last of its repeats is over, s.
+    pub(crate) fn end(&self) -> f64 {
+        let lasts = match &self.action {
+            Action::Push { duration, .. } | Action::MoveTo { duration, .. } => *duration,
+            _ => 0.0,
+        };
+        self.at + self.every * (self.times - 1) as f64 + lasts
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -433,7 +454,8 @@ fn spawn(
         let mut g = group(b, library, census).map_err(under)?;
         census.add((times - 1).saturating_mul(g.len() as u64), b.shapes.len() as u64).map_err(under)?;
         g.single &= times == 1;
-        g.names(times).and_then(|all| all.iter().try_for_each(|(n, c)| names.add(n, *c))).map_err(under)?;
+        let named = g.names(times);
+        named.and_then(|all| all.into_iter().try_for_each(|(n, b)| names.add(&n, b))).map_err(under)?;
         groups.push(g);
     }
     Ok(groups)
@@ -477,8 +499,10 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Source
             .key("set_velocity")?;
         let angular = v.angular_velocity.map(|x| bounded(x, SPIN_MAX, "rad/s")).transpose();
         let angular_velocity = angular.key("angular_velocity").key("set_velocity")?;
+        let moving = [BodyKind::Kinematic, BodyKind::Dynamic];
+        let target = names.resolve_only(&v.body, &moving, "kinematic or dynamic bodies");
         return Ok(Action::SetVelocity {
-            target: find(&v.body, "set_velocity")?,
+            target: target.key("body").key("set_velocity")?,
             velocity,
             angular_velocity,
         });
@@ -487,11 +511,15 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Source
         return find(&r.body, "remove").map(Action::Remove);
     }
     if let Some(p) = &t.teleport {
-        let (target, position, rotation, _) = place(p, names).key("teleport")?;
+        let target = find(&p.body, "teleport")?;
+        let (position, rotation, _) = place(p).key("teleport")?;
         return Ok(Action::Teleport { target, position, rotation });
     }
     if let Some(p) = &t.move_to {
-        let (target, position, rotation, duration) = place(p, names).key("move_to")?;
+        let expected = "kinematic bodies; `teleport` puts any body somewhere";
+        let target = names.resolve_only(&p.body, &[BodyKind::Kinematic], expected);
+        let target = target.key("body").key("move_to")?;
+        let (position, rotation, duration) = place(p).key("move_to")?;
         return Ok(Action::MoveTo { target, position, rotation, duration });
     }
     if let Some(g) = &t.set_gravity {
@@ -510,7 +538,10 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Source
         return explosion(e).map(Action::Explode).key("explode");
     }
     if let Some(f) = &t.set_field {
-        return Ok(Action::SetField(find_field(&f.field, sources.fields).key("field").key("set_field")?, f.enabled));
+        return Ok(Action::SetField(
+            find_field(&f.field, sources.fields).key("field").key("set_field")?,
+            f.enabled,
+        ));
     }
     if let Some(e) = &t.emit {
         let n = find_emitter(&e.emitter, sources.emitters).key("emitter").key("emit")?;
@@ -538,7 +569,8 @@ fn world_point(p: [f64; 3]) -> Checked<DVec3> {
 }
 
 fn push(p: &PushSpec, names: &Names) -> Checked<Action> {
-    let target = names.resolve(&p.body).key("body")?;
+    let expected = "dynamic bodies; others go as they are told";
+    let target = names.resolve_only(&p.body, &[BodyKind::Dynamic], expected).key("body")?;
     let limited = |v: Option<[f32; 3]>, key: &str| v.map(|v| bounded(v, FORCE_MAX, "")).transpose().key(key);
     let push = Push {
         impulse: limited(p.impulse, "impulse")?,
@@ -559,15 +591,14 @@ fn push(p: &PushSpec, names: &Names) -> Checked<Action> {
     Ok(Action::Push { target, push, duration })
 }
 
-type Placed = (Target, Option<DVec3>, Option<Quat>, f64);
+type Placed = (Option<DVec3>, Option<Quat>, f64);
 
-fn place(p: &PlaceSpec, names: &Names) -> Checked<Placed> {
-    let target = names.resolve(&p.body).key("body")?;
+fn place(p: &PlaceSpec) -> Checked<Placed> {
     let turned = rotation(p.rotation_deg, p.rotation)?;
     let turned = (p.rotation_deg.is_some() || p.rotation.is_some()).then_some(turned);
     let position = p.position.map(world_point).transpose().key("position")?;
     if position.is_none() && turned.is_none() {
         return Err(Wrong::new("there is no pose", "position, rotation_deg or rotation"));
     }
-    Ok((target, position, turned, time(p.duration.unwrap_or(0.0)).key("duration")?))
+    Ok((position, turned, time(p.duration.unwrap_or(0.0)).key("duration")?))
 }

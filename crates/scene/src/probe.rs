@@ -2,8 +2,8 @@
 
 use crate::bodies::{Group, Target};
 use crate::plan::{BodyValue, EmitterValue, Look, WorldValue};
-use crate::systems::System;
 use crate::spec::{AggregateSpec, EventSpec};
+use crate::systems::System;
 use jounce::math::{DVec3, Vec3, WorldPose};
 use jounce::{BodyId, ContactInfo, EmitterId, Event, ShapeId, World};
 use std::collections::BTreeMap;
@@ -107,12 +107,12 @@ impl EventCounts {
         Self { counts: vec![0; probes.len()], any }
     }
 
-    /// Takes in the world's events from number `from` on.
-    pub(crate) fn add(&mut self, probes: &[(String, Look)], records: &Records, world: &World, from: usize) {
+    /// Takes in the world's events.
+    pub(crate) fn add(&mut self, probes: &[(String, Look)], records: &Records, world: &World) {
         if !self.any {
             return;
         }
-        for e in world.events().iter().skip(from) {
+        for e in world.events() {
             for (count, (_, look)) in self.counts.iter_mut().zip(probes) {
                 let Look::Events { kind, target } = look else { continue };
                 let counted =

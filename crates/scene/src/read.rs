@@ -65,7 +65,8 @@ fn explain(e: &serde_path_to_error::Error<serde_json::Error>) -> Wrong {
         return Wrong::at(path, format!("\"{word}\" is unknown"), expected).suggest(closest(word, names));
     }
     if let Some(key) = quoted(message, "missing field") {
-        return Wrong::at(path, format!("the key `{key}` is missing"), format!("`{key}`"));
+        let expected = if key == "jounce" { "\"jounce\": 1, the version of the format" } else { "" };
+        return Wrong::at(path, format!("the key `{key}` is missing"), expected);
     }
     Wrong::at(path, plain(message), plain(expected))
 }

@@ -33,10 +33,8 @@ pub struct Report {
     pub momentum: Momentum,
     /// Hash of the world at the end: "0x" and 16 hexadecimal digits.
     pub hash: String,
-    /// Expectations whose time has come.
+    /// All expectations, in the order of the file.
     pub expectations: Vec<Expectation>,
-    /// Names of expectations whose time has not come.
-    pub expectations_unreached: Vec<String>,
 }
 
 /// Wall-clock time of steps, ms.
@@ -79,15 +77,15 @@ pub struct Expectation {
     pub at: f64,
     /// The right number, or the accepted range in words.
     pub expected: Expected,
-    /// The probe's number (over a time, the one farthest off); none where its body was not there.
+    /// The probe's number (over a time, the one farthest off); none where its body was not there, or before the time.
     pub got: Option<f64>,
     /// Largest accepted difference.
     pub tolerance: f64,
     /// Where the number comes from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
-    /// Is it met?
-    pub pass: bool,
+    /// Is it met? None (in JSON `null`) where the run was too short to tell.
+    pub pass: Option<bool>,
 }
 
 /// What was expected.
@@ -118,7 +116,6 @@ impl Report {
         judges: &[Judge],
     ) -> Self {
         let (counts, p) = (world.counts(), world.momentum());
-        let all = || judges.iter().zip(&scene.spec.expect);
         Self {
             scene: scene.name.clone(),
             steps: world.step_count(),
@@ -132,14 +129,18 @@ impl Report {
             energy: StartEnd { start: start_energy, end: world.energy().total() },
             momentum: Momentum { linear: p.linear.to_array(), angular: p.angular.to_array() },
             hash: format!("{:#018x}", world.hash()),
-            expectations: all().filter(|(j, _)| j.reached).map(|(j, e)| j.expectation(e)).collect(),
-            expectations_unreached: all().filter(|(j, _)| !j.reached).map(|(_, e)| e.name.clone()).collect(),
+            expectations: judges.iter().zip(&scene.spec.expect).map(|(j, e)| j.expectation(e)).collect(),
         }
     }
 
-    /// True when no expectation failed.
+    /// True when no expectation failed. Those that the run was too short to judge are in [`Report::not_judged`].
     pub fn passed(&self) -> bool {
-        self.expectations.iter().all(|e| e.pass)
+        self.expectations.iter().all(|e| e.pass != Some(false))
+    }
+
+    /// Expectations whose time has not come.
+    pub fn not_judged(&self) -> impl Iterator<Item = &Expectation> {
+        self.expectations.iter().filter(|e| e.pass.is_none())
     }
 
     /// One JSON object, without line breaks.
@@ -205,10 +206,10 @@ impl Judge {
             probe: spec.probe.clone(),
             at: spec.at,
             expected,
-            got: self.worst.map(|w| w.0).filter(|_| !self.missing),
+            got: self.worst.map(|w| w.0).filter(|_| self.reached && !self.missing),
             tolerance: self.tolerance,
             source: spec.source.clone(),
-            pass: !self.missing && self.worst.is_some_and(|(_, off)| off <= 0.0),
+            pass: self.reached.then(|| !self.missing && self.worst.is_some_and(|(_, off)| off <= 0.0)),
         }
     }
 }

@@ -339,6 +339,11 @@ fn place(m: &MeshFileSpec, read: &mut impl FnMut(&str) -> Result<MeshData, Scene
             Wrong::new(format!("mesh {file}: {message}"), "a mesh file that is there and can be read")
                 .key("file")
         }
+        // The scene's place, and the mesh file's own complaint with its place there.
+        SceneError::Fault(mut f) => {
+            let expected = std::mem::take(&mut f.expected);
+            Wrong::new(format!("mesh {f}"), expected).key("file")
+        }
         e => Wrong::ready(e),
     })?;
     for v in &mut data.vertices {

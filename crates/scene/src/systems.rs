@@ -285,9 +285,7 @@ impl System {
             (SystemValue::ElasticEnergy, _) => energy().elastic,
             (SystemValue::Energy, _) => energy().kinetic + energy().elastic,
             (SystemValue::Momentum(k), _) => self.matter.momentum().to_array()[k],
-            (SystemValue::Lowest, _) => {
-                x.iter().fold(f64::INFINITY, |m, p| if p.y < m { p.y } else { m })
-            }
+            (SystemValue::Lowest, _) => x.iter().fold(f64::INFINITY, |m, p| if p.y < m { p.y } else { m }),
         }
     }
 

@@ -4,7 +4,7 @@ use super::{QueryFilter, part, reachable, rounding, widened};
 use crate::handle::{BodyId, ShapeId};
 use crate::limits;
 use crate::world::World;
-use jounce_geometry::RayHit;
+use jounce_geometry::{NO_SUB, RayHit, Shape};
 use jounce_math::{DVec3, Vec3, WorldPose, scalar::f32s};
 use jounce_tasks::FloatEnv;
 
@@ -52,7 +52,7 @@ pub struct RayCastHit {
     pub body: BodyId,
     /// Ray parameter.
     pub t: f32,
-    /// Point, world.
+    /// Point, world: as exact as the shape's coordinates, even where t is so large that `Ray::at(t)` is rounded to metres.
     pub point: DVec3,
     /// Unit outward normal, world axes; towards the ray's origin on surfaces. −dir/|dir| where the ray starts inside.
     pub normal: Vec3,
@@ -71,7 +71,7 @@ impl World {
     /// [`limits::QUERY_HITS_MAX`], the nearest.
     pub fn cast_ray_all(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Vec<RayCastHit> {
         let _mode = FloatEnv::set_default();
-        let mut hits: Vec<(u32, RayHit)> = Vec::new();
+        let mut hits: Vec<(u32, Found)> = Vec::new();
         self.walk(ray, filter, |slot| {
             if let Some(h) = self.ray_on_shape(slot, ray, ray.max_t) {
                 hits.push((slot, h));
@@ -104,14 +104,14 @@ impl World {
     }
 
     fn first_hit_of(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<RayCastHit> {
-        let mut best: Option<(u32, RayHit)> = None;
+        let mut best: Option<(u32, Found)> = None;
         let mut bound = ray.max_t;
         self.walk(ray, filter, |slot| {
             if let Some(h) = self.ray_on_shape(slot, ray, bound)
                 && best.is_none_or(|(s, b)| (h.t, slot) < (b.t, s))
             {
                 best = Some((slot, h));
-                bound = f32s::min(widened(h.t), bound);
+                bound = f32s::min(widened(h.hit.t), bound);
             }
             Walk::On(bound)
         });
@@ -167,7 +167,7 @@ impl World {
 
     /// The ray against one shape, in the shape's own frame (the subtraction is in f64).
     #[inline]
-    fn ray_on_shape(&self, slot: u32, ray: &Ray, max_t: f32) -> Option<RayHit> {
+    fn ray_on_shape(&self, slot: u32, ray: &Ray, max_t: f32) -> Option<Found> {
         let r = &self.shapes[slot];
         let pose = self.pose_of(r);
         let from = ray.origin - pose.p;
@@ -175,11 +175,11 @@ impl World {
         if from.length_squared() > FAR_SQUARED {
             return self.far_ray_on_shape(slot, ray, &pose, dir, max_t);
         }
-        r.shape.ray_cast(pose.q.inverse_rotate(from.as_vec3()), dir, max_t)
+        r.shape.ray_cast(pose.q.inverse_rotate(from.as_vec3()), dir, max_t).map(Found::near)
     }
 
-    /// From afar an origin in the shape's frame would be rounded to centimetres: the ray is followed to the shape's bounds
-    /// in f64, and cast from there.
+    /// From afar an origin in the shape's frame would be rounded to centimetres: the ray is followed to near the shape in f64,
+    /// and cast from there.
     #[cold]
     fn far_ray_on_shape(
         &self,
@@ -188,17 +188,20 @@ impl World {
         pose: &WorldPose,
         dir: Vec3,
         max_t: f32,
-    ) -> Option<RayHit> {
+    ) -> Option<Found> {
         let r = &self.shapes[slot];
+        if let Shape::HalfSpace { normal, offset } = r.shape {
+            return far_ray_on_plane(normal, offset, ray, pose, max_t);
+        }
         let d = ray.dir.as_dvec3();
         let length = d.length();
         let (lo, hi) = (r.fat.min.as_dvec3(), r.fat.max.as_dvec3());
         let to_center = (lo + hi) * 0.5 - ray.origin;
         let reach = (hi - lo).length() * 0.5 + 1.0;
         let start = to_center.dot(d) / (length * length) - reach / length;
-        // Half-spaces have no bounds (an empty box: NaN), large shapes are all around the origin.
-        if start.is_nan() || start <= 0.0 {
-            return r.shape.ray_cast(pose.inverse_transform_point(ray.origin), dir, max_t);
+        if start <= 0.0 {
+            // Large shapes may be all around the origin.
+            return r.shape.ray_cast(pose.inverse_transform_point(ray.origin), dir, max_t).map(Found::near);
         }
         let rest = f64::from(max_t) - start;
         if rest < 0.0 {
@@ -206,21 +209,50 @@ impl World {
         }
         let origin = pose.inverse_transform_point(ray.origin + d * start);
         let mut hit = r.shape.ray_cast(origin, dir, rest as f32)?;
-        hit.t = f32s::min((start + f64::from(hit.t)) as f32, max_t);
-        Some(hit)
+        let t = start + f64::from(hit.t);
+        hit.t = f32s::min(t as f32, max_t);
+        Some(Found { hit, t })
     }
 
-    fn ray_result(&self, slot: u32, ray: &Ray, hit: &RayHit) -> RayCastHit {
-        let r = &self.shapes[slot];
+    fn ray_result(&self, slot: u32, ray: &Ray, found: &Found) -> RayCastHit {
+        let (r, hit) = (&self.shapes[slot], &found.hit);
         RayCastHit {
             shape: self.shape_id(slot),
             body: self.body_id(r.body),
             t: hit.t,
-            point: ray.at(hit.t),
+            point: ray.origin + ray.dir.as_dvec3() * found.t,
             normal: self.pose_of(r).q.rotate(hit.normal),
             triangle: part(hit.sub),
         }
     }
+}
+
+/// A hit with its t before it was rounded: what lies metres apart may share a rounded one.
+#[derive(Clone, Copy)]
+struct Found {
+    hit: RayHit,
+    t: f64,
+}
+
+impl Found {
+    fn near(hit: RayHit) -> Self {
+        Self { hit, t: f64::from(hit.t) }
+    }
+}
+
+/// A half-space has no bounds to go to first: its plane is met in f64.
+fn far_ray_on_plane(normal: Vec3, offset: f32, ray: &Ray, pose: &WorldPose, max_t: f32) -> Option<Found> {
+    let n = pose.q.as_dquat().normalize().rotate(normal.as_dvec3());
+    let d = ray.dir.as_dvec3();
+    let height = n.dot(ray.origin - pose.p) - f64::from(offset);
+    if height < 0.0 {
+        let inward = pose.q.inverse_rotate((d / d.length()).as_vec3());
+        return Some(Found::near(RayHit { t: 0.0, normal: -inward, sub: NO_SUB }));
+    }
+    let fall = -n.dot(d);
+    let t = height / fall;
+    let met = fall > 0.0 && t <= f64::from(max_t);
+    met.then(|| Found { hit: RayHit { t: t as f32, normal, sub: NO_SUB }, t })
 }
 
 /// What a visit of a shape says about the rest of the ray.

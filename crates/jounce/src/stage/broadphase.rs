@@ -18,11 +18,19 @@ use jounce_math::{Pose, Quat, scalar::f32s};
 /// Moved shapes per unit.
 const CHUNK: usize = 32;
 
+/// In place of a key: the unit stopped there.
+const CUT: u64 = u64::MAX;
+/// Room for keys that every unit keeps, whoever needed it: which one meets the next peak is chance.
+const KEPT: usize = 1 << 10;
+/// Contacts whose list should not double: some 30 MB.
+const MANY: usize = 1 << 16;
+
 pub(crate) fn run(world: &mut World, _: &Step) {
     if world.moved.is_empty() {
         return;
     }
     let units = world.moved.len().div_ceil(CHUNK);
+    let most = (2 * limits::CONTACTS_MAX / units).max(limits::FOUND_PAIRS_MAX);
     let mut lists = core::mem::take(&mut world.scratch.candidates);
     lists.resize_with(units.max(lists.len()), Vec::new);
     let shared: &World = world;
@@ -31,52 +39,87 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         let from = unit * CHUNK;
         let to = (from + CHUNK).min(shared.moved.len());
         for &shape in &shared.moved[from..to] {
-            search(shared, shape, list);
+            search(shared, shape, most, list);
         }
     });
-    // Which unit meets the next peak is chance: all lists keep room for twice the longest.
     let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
-    for list in &mut lists {
-        list.reserve((2 * longest).saturating_sub(list.len()));
-    }
+    let room = (2 * longest).min(KEPT);
     let mut keys = core::mem::take(&mut world.scratch.keys);
     keys.clear();
+    for list in &mut lists {
+        list.reserve(room.saturating_sub(list.len()));
+    }
     for list in &lists[..units] {
         keys.extend_from_slice(list);
     }
     keys.sort_unstable();
     keys.dedup();
-    for &key in &keys {
-        make_contact(world, key);
+    let cut = keys.last() == Some(&CUT);
+    if cut {
+        keys.pop();
+        world.events.push(Event::LimitReached { what: "new pairs of a step" });
     }
-    (world.scratch.candidates, world.scratch.keys) = (lists, keys);
+    let full = make_contacts(world, &keys, limits::CONTACTS_MAX);
+    // Who was cut short goes on in the next step.
+    let stays = |unit: usize| cut && !full && lists[unit].last() == Some(&CUT);
+    let mut kept = 0;
     for i in 0..world.moved.len() {
         let s = world.moved[i];
-        world.shapes[s].moved = false;
+        if stays(i / CHUNK) {
+            world.moved[kept] = s;
+            kept += 1;
+        } else {
+            world.shapes[s].moved = false;
+        }
     }
-    world.moved.clear();
+    world.moved.truncate(kept);
+    (world.scratch.candidates, world.scratch.keys) = (lists, keys);
 }
 
-/// Collects the pairs of one shape that are new and allowed.
-fn search(world: &World, shape: u32, out: &mut Vec<u64>) {
+/// Makes the contacts of new pairs, in the order of their keys, up to a limit; true where that was reached.
+fn make_contacts(world: &mut World, keys: &[u64], limit: usize) -> bool {
+    for &key in keys {
+        if world.pairs.contains(key) {
+            continue;
+        }
+        if world.pairs.len() >= limit {
+            world.events.push(Event::LimitReached { what: "contacts" });
+            return true;
+        }
+        // Many grow by a quarter: doubling would hold as much again in vain.
+        let n = world.contacts.len();
+        if n >= MANY && n == world.contacts.capacity() {
+            world.contacts.reserve_exact(n / 4);
+        }
+        make_contact(world, key);
+    }
+    false
+}
+
+/// Collects the pairs of one shape that are new and allowed, up to a length of the list.
+fn search(world: &World, shape: u32, most: usize, out: &mut Vec<u64>) {
     let r = &world.shapes[shape];
-    if r.sensor || r.place == Place::Nowhere {
+    if r.sensor || r.place == Place::Nowhere || out.last() == Some(&CUT) {
         return;
     }
     let kind = world.bodies[r.body].kind;
     let mut see = |other: u32| {
-        if may_meet(world, shape, other) {
+        if may_meet(world, shape, other) && !finds_it_too(world, shape, other) {
             let key = pair_key(shape, other);
             if !world.pairs.contains(key) {
-                out.push(key);
+                let room = out.len() < most;
+                if room || out.last() != Some(&CUT) {
+                    out.push(if room { key } else { CUT });
+                }
+                return room;
             }
         }
         true
     };
     if r.place == Place::Unbounded {
         for (other, _) in world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_))) {
-            if near_plane(world, shape, other) {
-                see(other);
+            if near_plane(world, shape, other) && !see(other) {
+                return;
             }
         }
         return;
@@ -86,10 +129,17 @@ fn search(world: &World, shape: u32, out: &mut Vec<u64>) {
         world.fixed_tree.query(&r.fat, &mut see);
     }
     for &plane in &world.unbounded {
-        if near_plane(world, plane, shape) {
-            see(plane);
+        if near_plane(world, plane, shape) && !see(plane) {
+            return;
         }
     }
+}
+
+/// A moved shape of a dynamic body finds all its pairs by itself; of two such, the one of the lower slot has them. So a floor does
+/// not list all that lies on it.
+fn finds_it_too(world: &World, shape: u32, other: u32) -> bool {
+    let dynamic = |s: u32| world.bodies[world.shapes[s].body].kind == BodyKind::Dynamic;
+    world.shapes[other].moved && dynamic(other) && !(dynamic(shape) && shape < other)
 }
 
 /// Do a shape's fat bounds reach a half-space?
@@ -114,13 +164,6 @@ pub(crate) fn may_meet(world: &World, a: u32, b: u32) -> bool {
 }
 
 fn make_contact(world: &mut World, key: u64) {
-    if world.pairs.contains(key) {
-        return;
-    }
-    if world.pairs.len() >= limits::CONTACTS_MAX {
-        world.events.push(Event::LimitReached { what: "contacts" });
-        return;
-    }
     let (mut a, mut b) = ((key >> 32) as u32, key as u32);
     // The fixed body is A, so that normals point away from the ground and kinds of shapes meet in few orders.
     let dynamic = |s: u32| world.bodies[world.shapes[s].body].kind == BodyKind::Dynamic;
@@ -167,4 +210,42 @@ fn make_contact(world: &mut World, key: u64) {
         hit_speed: 0.0,
     };
     world.link_contact(contact);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BodyDesc, ShapeDesc, WorldDesc};
+
+    #[test]
+    fn pairs_beyond_the_limit_are_left_out_and_told_once() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        for _ in 0..4 {
+            w.add_body(BodyDesc::dynamic().shape(ShapeDesc::sphere(1.0))).expect("valid");
+        }
+        let keys: Vec<u64> = (0..4).flat_map(|b| (0..b).map(move |a| pair_key(a, b))).collect();
+        assert!(make_contacts(&mut w, &keys, 3));
+        assert_eq!(w.pairs.len(), 3);
+        assert_eq!(w.events, [Event::LimitReached { what: "contacts" }]);
+        assert!(!make_contacts(&mut w, &keys[..3], 3), "those are there");
+        w.validate();
+    }
+
+    #[test]
+    fn a_search_that_is_cut_short_says_so() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        for _ in 0..9 {
+            w.add_body(BodyDesc::dynamic().shape(ShapeDesc::sphere(1.0))).expect("valid");
+        }
+        w.shapes[7].moved = false;
+        let found = |shape: u32, most: usize, mut list: Vec<u64>| {
+            search(&w, shape, most, &mut list);
+            list
+        };
+        assert_eq!(found(0, 8, Vec::new()).len(), 8);
+        let cut = found(0, 5, Vec::new());
+        assert_eq!((cut.len(), cut.last()), (6, Some(&CUT)));
+        assert_eq!(found(1, 5, cut.clone()), cut, "the rest of the unit waits");
+        assert_eq!(found(8, 8, Vec::new()), [pair_key(7, 8)], "the others that moved find it themselves");
+    }
 }

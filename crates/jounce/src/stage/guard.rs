@@ -21,6 +21,8 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             && s.w().is_finite())
         {
             bad.push(b.body);
+        } else if b.guided {
+            // A kinematic body arrives where `move_to` sent it, however far that is.
         } else if s.v().length_squared() >= linear2 || s.w().length_squared() >= angular2 && !b.fast_rotation
         {
             world.events.push(Event::SpeedLimited { body: world.body_id(b.body) });

@@ -30,7 +30,8 @@ pub struct SceneSpec {
     pub name: Option<String>,
     /// What the scene shows, and where its numbers come from.
     pub description: Option<String>,
-    /// Length of a run in simulated seconds; by default the last time named in `expect` or `timeline`, or 5.
+    /// Length of a run in simulated seconds; by default up to the last `expect`, and 1 s beyond the end of the last action of
+    /// `timeline`, or 5. Neither may name a later time.
     pub seconds: Option<f64>,
     /// Uniform gravity, m/s². Default [0, -9.81, 0].
     pub gravity: Option<[f32; 3]>,

@@ -18,9 +18,9 @@ pub struct TimelineSpec {
     pub times: Option<u64>,
     /// Adds bodies.
     pub spawn: Option<Box<SpawnSpec>>,
-    /// Applies an impulse at once, or a force or torque for a while.
+    /// Applies an impulse at once, or a force or torque for a while, to dynamic bodies.
     pub push: Option<Box<PushSpec>>,
-    /// Sets velocities.
+    /// Sets velocities of kinematic and dynamic bodies.
     pub set_velocity: Option<Box<SetVelocitySpec>>,
     /// Removes bodies.
     pub remove: Option<NamedSpec>,
