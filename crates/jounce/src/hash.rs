@@ -150,7 +150,7 @@ impl World {
             let mut words = Words { h, word: 0, bytes: 0 };
             for command in &self.queue {
                 // A `Words` takes everything in.
-                let _ = write!(words, "{command:?}\n");
+                let _ = writeln!(words, "{command:?}");
             }
             words.h.word(words.word);
         }

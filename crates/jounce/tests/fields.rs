@@ -2,6 +2,7 @@
 
 mod common;
 
+use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
 use jounce::{Error, FieldHook, Gust, Settings};
 use std::sync::Arc;
@@ -87,7 +88,7 @@ fn an_orbit_closes_after_its_period() {
             crossing = w.time() - w.dt() * y / (y - previous);
         }
         previous = y;
-        worst = worst.max((w.energy().total() - energy).abs());
+        worst = f64s::max(worst, (w.energy().total() - energy).abs());
     }
     // Symplectic Euler, h = 1/960: the orbit's shadow differs by O(h ω_peri), ω_peri = 2√3.
     let h = 1.0 / 960.0;
@@ -205,7 +206,7 @@ fn a_spinning_ball_curves_and_gains_no_speed() {
     // ω×v with ω = y, v = x points to −z; the turn rate is ½ρ A r ω/m.
     let rate = 0.5 * 1.2 * core::f32::consts::PI * 0.11 * 0.11 * 0.11 * 50.0 / 0.43;
     assert!((v.length() - 20.0).abs() < 1e-3, "{v:?}");
-    assert!((f32::atan2(-v.z, v.x) - rate).abs() < 2e-3, "{v:?} {rate}");
+    assert!((f32s::atan2(-v.z, v.x) - rate).abs() < 2e-3, "{v:?} {rate}");
 }
 
 #[test]
@@ -222,7 +223,7 @@ fn a_free_ball_in_a_turning_frame_walks_a_straight_line_among_the_stars() {
     let b = ball_at(&mut w, [1.0, 0.0, 0.0], 0.01, 1.0, [0.0, 0.0, 0.5]);
     run(&mut w, 4.0);
     let p = w.body(b).unwrap().position();
-    let (s, c) = (f64::sin(omega * 4.0), f64::cos(omega * 4.0));
+    let (s, c) = (f64s::sin(omega * 4.0), f64s::cos(omega * 4.0));
     let stars = DVec3::new(c * p.x + s * p.z, p.y, -s * p.x + c * p.z);
     // First order: ½ (Ω²r + 2Ωv) t h.
     let bound = 0.5 * (omega * omega + 2.0 * omega * 0.5) * 4.0 / 960.0 * 4.0;
@@ -261,7 +262,7 @@ fn a_wall_shields_from_a_blast() {
         .map(|i| {
             let cos_rim = (1.0 - a * a / (d * d)).sqrt();
             let cos = 1.0 - (1.0 - cos_rim) * (f64::from(i) + 0.5) / f64::from(n);
-            let r = d * cos - (a * a - d * d * (1.0 - cos * cos)).max(0.0).sqrt();
+            let r = d * cos - f64s::max(a * a - d * d * (1.0 - cos * cos), 0.0).sqrt();
             let solid = core::f64::consts::TAU * (1.0 - cos_rim) / f64::from(n);
             100.0 * (1.0 - r / 10.0) * (1.0 - r / 10.0) * r * r * cos * solid
         })

@@ -68,7 +68,9 @@ fn how_frames_share_out_the_steps_is_not_in_the_hash() {
         let mut w = world();
         ground(&mut w);
         add_box(&mut w, [0.0, 0.5, 0.0], 0.5);
-        (0..frames).for_each(|_| drop(w.advance(frame_dt).expect("valid")));
+        for _ in 0..frames {
+            w.advance(frame_dt).expect("valid");
+        }
         (w.step_count(), w.hash())
     };
     // The contact begins in step 1: in a frame of its own, in a frame with others, and long ago.

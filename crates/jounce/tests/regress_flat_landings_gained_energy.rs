@@ -2,6 +2,7 @@
 //! the points of a face, one after the other, though each changes what the others need. And a tilted cube gained 40 %: the impulses
 //! of the impact started the next step, and the friction among them turned the body into the surface before it was taken back.
 
+use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
 
 /// Highest and lowest total energy over `seconds`, as parts of the first, and the largest spin.
@@ -17,8 +18,8 @@ fn bounce(shape: ShapeDesc, tilt: f32, e: f32, friction: f32, seconds: f64) -> (
     for _ in 0..(seconds * 60.0) as u32 {
         w.step().unwrap();
         let part = w.energy().total() / start;
-        (high, low) = (high.max(part), low.min(part));
-        spin = spin.max(w.body(id).unwrap().angular_velocity().length());
+        (high, low) = (f64s::max(high, part), f64s::min(low, part));
+        spin = f32s::max(spin, w.body(id).unwrap().angular_velocity().length());
     }
     (high, low, spin)
 }

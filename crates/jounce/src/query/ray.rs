@@ -252,7 +252,7 @@ fn far_ray_on_plane(normal: Vec3, offset: f32, ray: &Ray, pose: &WorldPose, max_
     let fall = -n.dot(d);
     let t = height / fall;
     let met = fall > 0.0 && t <= f64::from(max_t);
-    met.then(|| Found { hit: RayHit { t: t as f32, normal, sub: NO_SUB }, t })
+    met.then_some(Found { hit: RayHit { t: t as f32, normal, sub: NO_SUB }, t })
 }
 
 /// What a visit of a shape says about the rest of the ray.

@@ -71,8 +71,8 @@ impl Mover<'_> {
         let (b, c) = (b * f64::from(k), c * f64::from(k));
         let after = force::implicit_drag(u.as_dvec3(), DVec3::ZERO, b, c, f64::from(h)).length() as f32;
         let j = (speed - after) / k;
-        self.v = self.v - n * (j * self.inertia.inv_mass);
-        self.w = self.w - spin * j;
+        self.v -= n * (j * self.inertia.inv_mass);
+        self.w -= spin * j;
     }
 
     /// Torque −(b + c|ω|) ω.
@@ -85,7 +85,7 @@ impl Mover<'_> {
         }
         let (b, c) = (b * f64::from(k), c * f64::from(k));
         let after = force::implicit_drag(self.w.as_dvec3(), DVec3::ZERO, b, c, f64::from(h)).length() as f32;
-        self.w = self.w - spin * ((speed - after) / k);
+        self.w -= spin * ((speed - after) / k);
     }
 
     /// A shape in the open medium; `part` of it is there, the rest is under water.
@@ -162,8 +162,8 @@ impl Mover<'_> {
         }
         let v = n.dot(self.velocity_at(r));
         let j = (v - v / (1.0 + x)) / k;
-        self.v = self.v - n * (j * self.inertia.inv_mass);
-        self.w = self.w - spin * j;
+        self.v -= n * (j * self.inertia.inv_mass);
+        self.w -= spin * j;
     }
 
     /// All that media do to the body's shapes.

@@ -19,10 +19,10 @@ impl World {
             self.fields.hooks.push((name.to_owned(), Hook(Arc::clone(h))));
         }
         for i in 0..self.fields.table.slots() {
-            if let Some(f) = self.fields.table.get_mut(i) {
-                if matches!(&f.desc.law, FieldLaw::User { hook } if hook == name) {
-                    f.hook = hook.clone().map(Hook);
-                }
+            if let Some(f) = self.fields.table.get_mut(i)
+                && matches!(&f.desc.law, FieldLaw::User { hook } if hook == name)
+            {
+                f.hook = hook.clone().map(Hook);
             }
         }
         self.wake_all();
