@@ -366,3 +366,15 @@ fn bits_do_not_depend_on_threads() {
         assert_eq!(serial, build(tasks));
     }
 }
+
+#[test]
+fn the_hash_knows_where_a_field_acts() {
+    let with = |radius: f64| {
+        let mut w = empty(G, 60.0);
+        let region = Region::Sphere { center: DVec3::new(9.0, 0.0, 0.0), radius, falloff: 0.0 };
+        w.add_field(FieldDesc::air().within(region)).unwrap();
+        w.hash()
+    };
+    assert_eq!(with(1.0), with(1.0));
+    assert_ne!(with(1.0), with(2.0), "neither reaches the origin");
+}

@@ -25,7 +25,10 @@
 //! [`finish`].
 //!
 //! # Restitution
-//! After the last substep: v_n ← e V + a h/2 where the approach was faster than the threshold; see [`prepare::impact_speed`].
+//! After the last substep, where the approach was faster than the threshold: all points that will bounce come to rest
+//! (compression), then v_n ≥ e V + a h/2 with λ ≥ 0 at all of them together, in passes until it holds; see
+//! [`prepare::impact_speed`]. What is given back is at most e times the compression (Poisson), and bodies squeezed from
+//! opposite sides do not bounce. A row that bounced starts the next step without impulses.
 
 pub(crate) mod crowd;
 pub mod desc;

@@ -1,6 +1,6 @@
 //! Adding, changing and asking for fields.
 
-use super::desc::{FieldDesc, FieldLaw};
+use super::desc::{FieldDesc, FieldLaw, Region};
 use super::state::{FieldHook, FieldRecord, Hook};
 use crate::error::{Error, Result, bad};
 use crate::handle::FieldId;
@@ -154,9 +154,25 @@ impl World {
             h.pair(u32::from(f.desc.enabled), f.desc.law.name().len() as u32);
             h.double(f.since);
             hash_law(h, &f.desc.law);
-            for p in [DVec3::new(-1.0, -1.0, -1.0), DVec3::ZERO] {
-                h.floats(f.desc.region.weight(p), 0.0);
-            }
+            hash_region(h, &f.desc.region);
+        }
+    }
+}
+
+fn hash_region(h: &mut StateHasher, region: &Region) {
+    match *region {
+        Region::Everywhere => h.word(0),
+        Region::Sphere { center, radius, falloff } => {
+            h.word(1);
+            h.dvec3(center);
+            h.double(radius);
+            h.double(falloff);
+        }
+        Region::Box { center, half, falloff } => {
+            h.word(2);
+            h.dvec3(center);
+            h.dvec3(half);
+            h.double(falloff);
         }
     }
 }

@@ -5,7 +5,8 @@
 //! * v′ = g + F/m − c_d v,  ω′ = I⁻¹ τ − c_a ω + gyroscopic part,  c′ = v,  q′ = ½ ω q.
 //! * Semi-implicit Euler per substep h: first v and ω from forces, then constraints, then c and q from the new v and ω.
 //! * Damping is implicit: v ← v / (1 + c h), which never reverses a velocity.
-//! * The gyroscopic part is a torque-free turn by symmetric splitting; see [`solve`].
+//! * The gyroscopic part is a torque-free turn by symmetric splitting, and what contacts and forces change of ω is taken over
+//!   as angular momentum; see [`solve`].
 //!
 //! A body's velocity is that of its centre of mass; its *position* in the API is that of its origin.
 
