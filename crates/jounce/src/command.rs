@@ -3,10 +3,11 @@
 
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
+use crate::room::joints::desc::{JointDesc, JointKind};
 use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use crate::settings::Settings;
-use crate::{BodyId, EmitterId, FieldId, ShapeId};
+use crate::{BodyId, EmitterId, FieldId, JointId, ShapeId};
 use jounce_geometry::{MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
@@ -97,6 +98,14 @@ pub enum Command {
     EmitParticles(EmitterId, Vec<ParticleSpawn>),
     /// Removes all particles of an emitter, or (`None`) of all.
     ClearParticles(Option<EmitterId>),
+    /// Adds a joint; gives [`Output::Joint`]; wakes its bodies.
+    AddJoint(Box<JointDesc>),
+    /// Removes a joint, and the gears on it; wakes its bodies.
+    RemoveJoint(JointId),
+    /// Replaces a joint's kind by another of the same name: ends, motors, springs; wakes its bodies.
+    SetJoint(JointId, Box<JointKind>),
+    /// Takes a joint out of the simulation, or back in (a broken one too).
+    SetJointEnabled(JointId, bool),
     /// Sets the world's gravity, m/s²; wakes everything.
     SetGravity(Vec3),
     /// Sets the solver's constants; wakes everything.
@@ -116,4 +125,6 @@ pub enum Output {
     Field(FieldId),
     /// The new emitter.
     Emitter(EmitterId),
+    /// The new joint.
+    Joint(JointId),
 }

@@ -89,6 +89,10 @@ impl World {
             C::EmitBurst(e, n) => self.do_emit_burst(e, n)?,
             C::EmitParticles(e, spawns) => self.do_emit_particles(e, &spawns)?,
             C::ClearParticles(e) => self.do_clear_particles(e)?,
+            C::AddJoint(d) => return self.do_add_joint(*d).map(Output::Joint),
+            C::RemoveJoint(j) => self.do_remove_joint(j)?,
+            C::SetJoint(j, k) => self.do_set_joint(j, *k)?,
+            C::SetJointEnabled(j, on) => self.do_enable_joint(j, on)?,
             C::SetGravity(g) => self.do_set_gravity(g)?,
             C::SetSettings(s) => {
                 s.check()?;
@@ -124,6 +128,7 @@ impl World {
             mass_override: d.mass,
             shapes: Vec::new(),
             contacts: Vec::new(),
+            joints: Vec::new(),
             row: NONE,
             island: NONE,
             velocity: if d.kind == BodyKind::Fixed { Vec3::ZERO } else { d.velocity },
@@ -205,6 +210,9 @@ impl World {
     fn do_remove_body(&mut self, b: BodyId) -> Result<()> {
         let slot = self.slot(b)?;
         self.enable_body(slot, false);
+        for j in self.bodies[slot].joints.clone() {
+            self.drop_joint(j);
+        }
         for s in self.bodies[slot].shapes.clone() {
             self.drop_shape(s);
         }

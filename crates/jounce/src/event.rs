@@ -1,6 +1,6 @@
 //! What happened in a step, in an order that is part of the hash.
 
-use crate::{BodyId, EmitterId, ShapeId};
+use crate::{BodyId, EmitterId, JointId, ShapeId};
 use jounce_math::{DVec3, Vec3};
 
 /// Something that happened in a step, or by an edit between steps: that is told with the next step's events, before them. See
@@ -91,6 +91,15 @@ pub enum Event {
     EmitterFinished {
         /// The emitter; removed by now if it was to remove itself and had no particle left.
         emitter: EmitterId,
+    },
+    /// A joint was loaded beyond what it stands, and let go. It stays in the world, broken, until it is removed or enabled again.
+    JointBreak {
+        /// The joint.
+        joint: JointId,
+        /// Mean force over the step, N.
+        force: f32,
+        /// Mean torque over the step, N m.
+        torque: f32,
     },
     /// A bound of [`crate::limits`] was reached inside the step; the step went on without the excess.
     LimitReached {

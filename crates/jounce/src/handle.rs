@@ -40,6 +40,10 @@ handle! {
     EmitterId
 }
 handle! {
+    /// Names a joint of a [`crate::World`].
+    JointId
+}
+handle! {
     /// Names a field of a [`crate::World`].
     FieldId
 }

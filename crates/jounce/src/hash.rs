@@ -132,6 +132,7 @@ impl World {
             self.hash_fields(&mut h);
         }
         self.particles.hash(&mut h);
+        self.joints.hash(&mut h);
         self.told.last().iter().for_each(|e| hash_event(&mut h, e));
         self.hash_waiting(&mut h);
         h.finish()
@@ -274,6 +275,11 @@ fn hash_event(h: &mut StateHasher, e: &Event) {
             h.dvec3(point);
             h.vec3(normal);
             h.floats(speed, 0.0);
+        }
+        Event::JointBreak { joint, force, torque } => {
+            h.word(13);
+            h.word(joint.to_bits());
+            h.floats(force, torque);
         }
         Event::EmitterFinished { emitter } => [12, emitter.to_bits()].into_iter().for_each(|w| h.word(w)),
         Event::LimitReached { what } => h.word(0x900 + what.len() as u64),

@@ -72,6 +72,10 @@ impl World {
                 }
             }
         }
+        for &j in &self.bodies[slot].joints {
+            let j = &self.joints.table[j];
+            others.push(if j.body_a == slot { j.body_b } else { j.body_a });
+        }
         for other in others {
             self.wake_body(other);
         }
@@ -107,6 +111,14 @@ impl World {
                 let other = if c.body_a == b { c.body_b } else { c.body_a };
                 let dynamic = self.bodies[other].kind == BodyKind::Dynamic && self.bodies[other].row != NONE;
                 if c.touching && dynamic && seen.insert(other) {
+                    group.push(other);
+                }
+            }
+            for &j in &self.bodies[b].joints {
+                let j = &self.joints.table[j];
+                let other = if j.body_a == b { j.body_b } else { j.body_a };
+                let dynamic = self.bodies[other].kind == BodyKind::Dynamic && self.bodies[other].row != NONE;
+                if j.acts() && dynamic && seen.insert(other) {
                     group.push(other);
                 }
             }

@@ -46,7 +46,7 @@ pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
 pub use debug_draw::{DebugColor, DebugDraw, DebugDrawOptions};
 pub use error::{Error, Result};
 pub use event::Event;
-pub use handle::{BodyId, EmitterId, FieldId, ShapeId};
+pub use handle::{BodyId, EmitterId, FieldId, JointId, ShapeId};
 pub use hash::StateHasher;
 pub use hooks::{ContactHook, ContactView, FilterHook, PairView, ParticleHook};
 pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
@@ -58,6 +58,11 @@ pub use room::fields::desc::{
 };
 pub use room::fields::point::FieldSample;
 pub use room::fields::state::{FieldHook, FieldView};
+pub use room::joints::desc::{
+    AxisDesc, BallDesc, BallMotor, JointDesc, JointFrames, JointKind, JointSolver, LimitDesc, MotorDesc,
+    MotorTarget, PathDesc, SpringDesc,
+};
+pub use room::joints::view::JointRef;
 pub use room::particles::desc::{
     Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Gradient, Heat, HitResponse, ParticleCollision,
     ParticleSpawn, Turbulence,
@@ -79,8 +84,9 @@ pub use jounce_tasks as tasks;
 pub mod prelude {
     pub use crate::{
         Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, EmitterDesc, EmitterId, EmitterShape,
-        Event, Explosion, FieldDesc, FieldId, FieldLaw, Filter, Material, ParticleCollision, QueryFilter,
-        Ray, Region, ShapeDesc, ShapeId, World, WorldDesc,
+        Event, Explosion, FieldDesc, FieldId, FieldLaw, Filter, JointDesc, JointId, JointKind, Material,
+        MotorDesc, ParticleCollision, QueryFilter, Ray, Region, ShapeDesc, ShapeId, SpringDesc, World,
+        WorldDesc,
     };
     pub use jounce_geometry::Shape;
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};

@@ -31,6 +31,10 @@ pub const SUBSTEPS_MAX: u32 = 64;
 pub const ADVANCE_STEPS_MAX: u32 = 8;
 /// Most rounds of pairwise impacts before substep 1.
 pub const IMPACT_ROUNDS_MAX: usize = 256;
+/// Most joints in a world.
+pub const JOINTS_MAX: usize = 1 << 22;
+/// Most joints of one body.
+pub const JOINTS_PER_BODY_MAX: usize = 1 << 16;
 /// Most fields in a world.
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.

@@ -69,6 +69,10 @@ pub struct Settings {
     pub static_contact_hertz: f32,
     /// Damping ratio of contacts against fixed and kinematic bodies. Default 5.
     pub static_contact_damping_ratio: f32,
+    /// Stiffness of joints where they are solved row by row, Hz. Default 60. (Directly solved, they are rigid.)
+    pub joint_hertz: f32,
+    /// Damping ratio of joints where they are solved row by row. Default 2.
+    pub joint_damping_ratio: f32,
     /// Fastest speed at which overlap is pushed out, m/s. Default 3.
     pub push_out_speed: f32,
     /// Approach speed below which contacts do not bounce, m/s. Default 1.
@@ -103,6 +107,8 @@ impl Default for Settings {
             contact_damping_ratio: 10.0,
             static_contact_hertz: 60.0,
             static_contact_damping_ratio: 5.0,
+            joint_hertz: 60.0,
+            joint_damping_ratio: 2.0,
             push_out_speed: 3.0,
             restitution_speed: 1.0,
             stick_speed: 0.02,
@@ -133,6 +139,8 @@ impl Settings {
         range("contact_damping_ratio", self.contact_damping_ratio, 0.0, 1e3, "0 to 1000")?;
         range("static_contact_hertz", self.static_contact_hertz, 0.1, 1e4, "0.1 to 10000 Hz")?;
         range("static_contact_damping_ratio", self.static_contact_damping_ratio, 0.0, 1e3, "0 to 1000")?;
+        range("joint_hertz", self.joint_hertz, 0.1, 1e4, "0.1 to 10000 Hz")?;
+        range("joint_damping_ratio", self.joint_damping_ratio, 0.0, 1e3, "0 to 1000")?;
         range("push_out_speed", self.push_out_speed, 0.0, 1e4, "0 to 10000 m/s")?;
         range("restitution_speed", self.restitution_speed, 0.0, 1e4, "0 to 10000 m/s")?;
         range("stick_speed", self.stick_speed, 0.0, 1e3, "0 to 1000 m/s")?;

@@ -32,6 +32,10 @@ impl World {
             for &s in &body.shapes {
                 assert_eq!(self.shapes[s].body, slot, "shape {s} is on body {slot}");
             }
+            for &j in &body.joints {
+                let joint = &self.joints.table[j];
+                assert!(joint.body_a == slot || joint.body_b == slot, "joint {j} is of body {slot}");
+            }
             for (i, &id) in body.contacts.iter().enumerate() {
                 let Some(c) = self.contact(id) else { panic!("body {slot} lists dead contact {id}") };
                 let side = usize::from(c.body_a != slot);

@@ -3,10 +3,11 @@
 use crate::command::{Command, Output};
 use crate::error::{Error, Result};
 use crate::event::Event;
-use crate::handle::{BodyId, EmitterId, FieldId, ShapeId};
+use crate::handle::{BodyId, EmitterId, FieldId, JointId, ShapeId};
 use crate::hooks::Hooks;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
 use crate::room::fields::state::Fields;
+use crate::room::joints::state::Joints;
 use crate::room::particles::state::Particles;
 use crate::room::rigid::state::{Awake, Body, BodyFrame, NONE};
 use crate::settings::{Settings, WorldDesc};
@@ -55,6 +56,7 @@ pub struct World {
 
     pub(crate) fields: Fields,
     pub(crate) particles: Particles,
+    pub(crate) joints: Joints,
 
     /// What happened since the last step ended (edits), then in the step being made; told as it ends.
     pub(crate) events: Vec<Event>,
@@ -144,6 +146,8 @@ pub struct Counts {
     pub colors: usize,
     /// Solver rows that found no colour in the last step.
     pub overflow: usize,
+    /// Joints, broken ones too.
+    pub joints: usize,
     /// Emitters.
     pub emitters: usize,
     /// Particles of all emitters.
@@ -193,6 +197,7 @@ impl World {
             asleep_contacts: Vec::new(),
             fields: Fields::default(),
             particles: Particles::default(),
+            joints: Joints::default(),
             events: Vec::new(),
             told: Told::default(),
             queue: Vec::new(),
@@ -294,6 +299,7 @@ impl World {
             islands_asleep: self.islands.len(),
             colors: self.scratch.colors_used(),
             overflow: self.scratch.overflow_rows(),
+            joints: self.joints.table.len(),
             emitters: self.particles.emitters.len(),
             particles: self.particles.count,
         }
@@ -391,6 +397,16 @@ impl World {
             _ => Err(Error::Unsupported { what: "add_field", advice: "expected a field" }),
         }
     }
+    /// Adds a joint.
+    ///
+    /// # Errors
+    /// A stale handle or a description out of range, named.
+    pub fn add_joint(&mut self, desc: JointDesc) -> Result<JointId> {
+        match self.apply(Command::AddJoint(Box::new(desc)))? {
+            Output::Joint(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_joint", advice: "expected a joint" }),
+        }
+    }
     /// Adds an emitter of particles.
     ///
     /// # Errors
@@ -405,6 +421,7 @@ impl World {
 
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
+use crate::room::joints::desc::{JointDesc, JointKind};
 use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use jounce_geometry::{MassProperties, Shape};
@@ -502,6 +519,12 @@ sugar! {
     emit_particles(emitter: EmitterId, spawns: Vec<ParticleSpawn>) => Command::EmitParticles(emitter, spawns);
     /// Removes all particles of an emitter, or (`None`) of all.
     clear_particles(emitter: Option<EmitterId>) => Command::ClearParticles(emitter);
+    /// Removes a joint, and the gears on it.
+    remove_joint(joint: JointId) => Command::RemoveJoint(joint);
+    /// Replaces a joint's kind by another of the same name: other ends, motors, springs.
+    set_joint(joint: JointId, kind: JointKind) => Command::SetJoint(joint, Box::new(kind));
+    /// Takes a joint out of the simulation, or back in (a broken one too).
+    set_joint_enabled(joint: JointId, enabled: bool) => Command::SetJointEnabled(joint, enabled);
     /// Sets the world's gravity, m/s².
     set_gravity(gravity: Vec3) => Command::SetGravity(gravity);
     /// Sets the solver's constants.

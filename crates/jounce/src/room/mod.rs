@@ -2,5 +2,6 @@
 
 pub mod contacts;
 pub mod fields;
+pub mod joints;
 pub mod particles;
 pub mod rigid;

@@ -160,7 +160,7 @@ pub(crate) fn may_meet(world: &World, a: u32, b: u32) -> bool {
         return false;
     }
     let (ba, bb) = (&world.bodies[ra.body], &world.bodies[rb.body]);
-    ba.kind == BodyKind::Dynamic || bb.kind == BodyKind::Dynamic
+    (ba.kind == BodyKind::Dynamic || bb.kind == BodyKind::Dynamic) && !world.are_parted(ra.body, rb.body)
 }
 
 fn make_contact(world: &mut World, key: u64) {

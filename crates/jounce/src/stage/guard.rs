@@ -42,6 +42,9 @@ pub(crate) fn quarantine(world: &mut World, slot: u32) {
     for i in 0..world.bodies[slot].contacts.len() {
         forget_impulses(world, world.bodies[slot].contacts[i]);
     }
+    for j in world.bodies[slot].joints.clone() {
+        world.joints.table[j].forget();
+    }
     world.enable_body(slot, false);
     world.events.push(Event::Quarantine { body: world.body_id(slot) });
 }

@@ -8,6 +8,7 @@ use crate::world::World;
 use jounce_math::Vec3;
 
 pub(crate) fn run(world: &mut World, _: &Step) {
+    super::joints::stir(world);
     let mut ends = core::mem::take(&mut world.scratch.ends);
     ends.clear();
     let mut wakes = core::mem::take(&mut world.scratch.wakes);

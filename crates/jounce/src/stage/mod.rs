@@ -7,6 +7,7 @@ pub(crate) mod fields;
 pub(crate) mod forces;
 pub(crate) mod guard;
 pub(crate) mod islands;
+pub(crate) mod joints;
 pub(crate) mod narrowphase;
 pub(crate) mod particles;
 pub(crate) mod prepare;
@@ -65,6 +66,7 @@ pub(crate) struct Scratch {
     pub visitors: Vec<(u32, u32)>,
     pub loads: Vec<(f32, jounce_math::Vec3, f32)>,
     pub fields: fields::FieldScratch,
+    pub joints: joints::JointScratch,
     /// By awake row: how hard and which way it was pushed.
     pub squeeze: Vec<(f32, jounce_math::Vec3)>,
 }

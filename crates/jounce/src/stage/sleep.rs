@@ -30,6 +30,14 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             parent[hi as usize] = lo;
         }
     }
+    for (_, j) in world.joints.table.iter().filter(|(_, j)| j.acts()) {
+        let (a, b) = (dynamic_row(world, j.body_a), dynamic_row(world, j.body_b));
+        if a != NONE && b != NONE {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
+            parent[hi as usize] = lo;
+        }
+    }
     let mut rest = core::mem::take(&mut world.scratch.rest);
     rest.clear();
     rest.resize(n, f32::MAX);

@@ -24,8 +24,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         velocities(world, step);
         super::fields::act(world, step, i);
         sweep(world, Pass::Warm, step);
+        super::joints::solve(world, step, i);
         sweep(world, Pass::Solve, step);
         positions(world, step);
+        super::joints::relax(world, step);
         sweep(world, Pass::Relax, step);
     }
 }
@@ -56,6 +58,7 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
         c.hit_speed = fastest;
     });
     world.contacts = contacts;
+    super::joints::finish(world, step);
     poses(world, step);
 }
 

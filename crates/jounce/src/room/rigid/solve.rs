@@ -256,6 +256,19 @@ fn torque_free(
     *memory = Some(Turning { momentum: world, w: s.w, q, rotation, dq: s.dq });
 }
 
+/// Takes over a change of ω that came through the inertia of the moment, not the frozen one.
+pub(crate) fn absorb(s: &Motion, memory: &mut Option<Turning>, mass: &Mass, rotation: Quat) {
+    if let Some(t) = memory
+        && t.rotation == rotation
+        && t.dq == s.dq
+        && t.w != s.w
+    {
+        let change = t.q.inverse_rotate(s.w.as_dvec3() - t.w.as_dvec3()).mul(mass.moments);
+        t.momentum += t.q.rotate(change);
+        t.w = s.w;
+    }
+}
+
 /// After the last substep: impulses that came since its turn become momentum, and ω follows.
 pub(crate) fn settle(s: &mut Motion, memory: &mut Option<Turning>, mass: &Mass, rotation: Quat) {
     let (world, q) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);

@@ -32,6 +32,8 @@ pub(crate) struct Body {
     pub shapes: Vec<u32>,
     /// Contact ids; kept for moving bodies only (a floor may have tens of thousands).
     pub contacts: Vec<u32>,
+    /// Joint slots, in order.
+    pub joints: Vec<u32>,
     /// Row in the awake columns, or NONE.
     pub row: u32,
     /// Sleeping island, or NONE.
@@ -261,6 +263,18 @@ impl InvInertia {
             (t.zz, t.xz, t.yz) = (0.0, 0.0, 0.0);
         }
         t
+    }
+    /// Turns less easily by a factor.
+    pub fn scaled(self, k: f32) -> Self {
+        Self {
+            xx: self.xx * k,
+            yy: self.yy * k,
+            zz: self.zz * k,
+            xy: self.xy * k,
+            xz: self.xz * k,
+            yz: self.yz * k,
+            ..self
+        }
     }
     pub fn to_mat3(self) -> Mat3 {
         Mat3::from_columns(

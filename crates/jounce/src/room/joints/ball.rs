@@ -1,0 +1,47 @@
+//! A point held: C = p_b − p_a = 0.
+//!
+//! Three rows along A's axes n: C = n·d, J = (−n, −(r_a + d) × n, n, r_b × n).
+//! Limits: the cone C = γ − angle(x_a, x_b) ≥ 0 with j = x_a × x_b / |x_a × x_b|, and the twist about x between two angles.
+//! Motor: the rotation vector from the wanted pose, about A's axes.
+//!
+//! Source: Baraff, Linear-time dynamics using Lagrange multipliers, 1996; limits as swing and twist: Dobrowolski, Swing-twist
+//! decomposition in Clifford algebra, 2015.
+
+use super::desc::{BallDesc, LimitDesc};
+use super::extra::{Duty, Extras};
+use super::rows::{Ends, Hard};
+use crate::room::joints::desc::MotorTarget;
+
+pub(crate) fn rows(e: &Ends, out: &mut Hard) {
+    for i in 0..3 {
+        out.push(e.along(e.axis_a(i)));
+    }
+}
+
+pub(crate) fn extras(b: &BallDesc, e: &Ends, out: &mut Extras<'_>) {
+    if let Some(cone) = b.cone {
+        out.push(e.cone(), Duty::Limit(LimitDesc { min: -1.0, max: cone, spring: b.cone_spring }));
+    }
+    if let Some(twist) = b.twist {
+        out.push(e.twist(), Duty::Limit(twist));
+    }
+    if let Some(m) = &b.motor {
+        let rows = match m.rotation {
+            Some(q) => e.turn_from(q.normalize()),
+            None => [0, 1, 2].map(|i| e.about(i)),
+        };
+        for (i, row) in rows.into_iter().enumerate() {
+            let velocity = m.velocity[i];
+            let target = match m.rotation {
+                Some(_) => MotorTarget::Position { position: 0.0, velocity, spring: m.spring },
+                None => MotorTarget::Velocity(velocity),
+            };
+            out.push(row, Duty::motor(target, m.max_torque));
+        }
+    }
+    if b.friction > 0.0 {
+        for i in 0..3 {
+            out.push(e.about(i), Duty::motor(MotorTarget::Velocity(0.0), b.friction));
+        }
+    }
+}

@@ -1,0 +1,264 @@
+//! Rows that do not hold by themselves: ends, motors, springs, friction.
+//!
+//! Springs. A row of effective mass m with the error C and speed v is pushed by λ = −m (a C + b v), once per substep. With
+//! semi-implicit Euler, v ← v + λ/m, C ← C + h v, that is a linear map with determinant 1 − b and trace 2 − b − h a. A damped
+//! oscillator of ω and ζ maps over h with determinant e^(−2ζωh) and trace 2 e^(−ζωh) cos(ωh √(1−ζ²)) (cosh where ζ > 1). Hence
+//!
+//! b = 1 − e^(−2ζωh), h a = 1 + e^(−2ζωh) − trace:
+//!
+//! the row swings with exactly its frequency and decay at any substep, where the usual implicit spring loses energy by ωh/2 a
+//! radian. From ωh = ½ on, where several springs on one body could drive one another unstable, the implicit one is used
+//! (Catto, Soft constraints, GDC 2011): b = s/(1 + s), a = b ω/(2ζ + hω), s = hω (2ζ + hω). A stiffness k and damper c are
+//! ω² = k/m, 2ζω = c/m.
+
+use super::desc::{AxisDesc, LimitDesc, MotorTarget, SpringDesc};
+use super::rows::Row;
+use super::set::Constants;
+use jounce_math::{Vec3, scalar::f32s};
+
+/// What a row is for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Duty {
+    /// The coordinate stays within.
+    Limit(LimitDesc),
+    /// Holds a speed with bounded force; also dry friction.
+    Speed { speed: f32, max: f32 },
+    /// Pulls to a coordinate with bounded force.
+    Spring { rest: f32, velocity: f32, spring: SpringDesc, max: f32 },
+}
+
+impl Duty {
+    pub fn motor(target: MotorTarget, max: f32) -> Self {
+        match target {
+            MotorTarget::Velocity(speed) => Self::Speed { speed, max },
+            MotorTarget::Position { position, velocity, spring } => {
+                Self::Spring { rest: position, velocity, spring, max }
+            }
+        }
+    }
+}
+
+/// A row with a duty, and its impulse in this substep.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extra {
+    pub row: Row,
+    pub duty: Duty,
+    /// M⁻¹ Jᵀ of the turns.
+    pub ia: Vec3,
+    pub ib: Vec3,
+    pub mass: f32,
+    pub impulse: f32,
+    /// Holds in the direct solve.
+    pub acts: bool,
+}
+
+/// Collects the rows of a joint. Which there are depends on its description alone, so that their impulses keep their places.
+pub(crate) struct Extras<'a> {
+    pub list: &'a mut Vec<Extra>,
+}
+
+impl Extras<'_> {
+    pub fn push(&mut self, row: Row, duty: Duty) {
+        let (ia, ib) = (Vec3::ZERO, Vec3::ZERO);
+        self.list.push(Extra { row, duty, ia, ib, mass: 0.0, impulse: 0.0, acts: false });
+    }
+    /// All that an axis has; `row.c` is its coordinate.
+    pub fn axis(&mut self, axis: &AxisDesc, row: Row) {
+        if axis.locked {
+            return;
+        }
+        if let Some((rest, spring)) = axis.spring {
+            self.push(row, Duty::Spring { rest, velocity: 0.0, spring, max: f32::INFINITY });
+        }
+        if let Some(m) = axis.motor {
+            self.push(row, Duty::motor(m.target, m.max_force));
+        }
+        if axis.friction > 0.0 {
+            self.push(row, Duty::Speed { speed: 0.0, max: axis.friction });
+        }
+        if let Some(limit) = axis.limit {
+            self.push(row, Duty::Limit(limit));
+        }
+    }
+}
+
+/// (a, b) of a spring on a row of effective mass `m`.
+pub(crate) fn gains(spring: &SpringDesc, m: f32, h: f32) -> (f32, f32) {
+    let (x, s) = match *spring {
+        // ωh and ζωh.
+        SpringDesc::Hertz { hertz, damping_ratio } => {
+            let x = 2.0 * core::f32::consts::PI * hertz * h;
+            (x, damping_ratio * x)
+        }
+        SpringDesc::Newton { stiffness, damping } => {
+            if m <= 0.0 {
+                return (0.0, 0.0);
+            }
+            (f32s::min((stiffness / m).sqrt() * h, 1e6), f32s::min(0.5 * damping * h / m, 1e6))
+        }
+    };
+    if x > 0.5 {
+        let a1 = 2.0 * s / x + x;
+        let a2 = x * a1;
+        let b = a2 / (1.0 + a2);
+        return (b * (x / a1) / h, b);
+    }
+    let decay = f32s::exp(-s);
+    // 1 − e^(−2s) without cancellation for weak dampers.
+    let b = if s < 1e-3 { 2.0 * s * (1.0 - s) } else { 1.0 - decay * decay };
+    // 1 + E² − 2 E cos y = (1 − E)² + 2 E (1 − cos y), likewise.
+    let y2 = x * x - s * s;
+    let one_less = if s < 1e-3 { s * (1.0 - 0.5 * s) } else { 1.0 - decay };
+    let bend = if y2 >= 0.0 {
+        let half = f32s::sin(0.5 * y2.sqrt());
+        4.0 * decay * half * half
+    } else {
+        let r = (-y2).sqrt();
+        // E (cosh r − 1)·(−2), r < s.
+        let (up, down) = (f32s::exp(0.5 * (r - s)), f32s::exp(-0.5 * (r + s)));
+        -(up - down) * (up - down)
+    };
+    ((one_less * one_less + bend) / h, b)
+}
+
+/// Which pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sweep {
+    /// With springs, and ends that look ahead.
+    Solve,
+    /// Speeds alone.
+    Relax,
+}
+
+/// Impulse that a row adds now, given its speed; `h` is the substep.
+pub(crate) fn push(x: &mut Extra, speed: f32, sweep: Sweep, h: f32, push_out: f32) -> f32 {
+    if x.mass <= 0.0 {
+        return 0.0;
+    }
+    let old = x.impulse;
+    match x.duty {
+        Duty::Speed { speed: wanted, max } => {
+            let most = max * h;
+            x.impulse = f32s::clamp(old - x.mass * (speed - wanted), -most, most);
+        }
+        Duty::Spring { rest, velocity, spring, max } => {
+            // Once per substep, with what the others have done by then.
+            if sweep == Sweep::Relax || old != 0.0 {
+                return 0.0;
+            }
+            let (a, b) = gains(&spring, x.mass, h);
+            let most = max * h;
+            x.impulse = f32s::clamp(-x.mass * (a * (x.row.c - rest) + b * (speed - velocity)), -most, most);
+        }
+        Duty::Limit(LimitDesc { min, max, spring }) => {
+            let (low, high) = (x.row.c - min, max - x.row.c);
+            let sign = if low < high { 1.0 } else { -1.0 };
+            let (gap, toward) = if low < high { (low, speed) } else { (high, -speed) };
+            let pushed = sign * old;
+            let new = match spring {
+                Some(_) if sweep == Sweep::Relax => return 0.0,
+                Some(spring) if gap < 0.0 => {
+                    if old != 0.0 {
+                        return 0.0;
+                    }
+                    let (a, b) = gains(&spring, x.mass, h);
+                    f32s::max(-x.mass * (a * gap + b * toward), 0.0)
+                }
+                Some(_) => 0.0,
+                None => {
+                    let bias = if sweep == Sweep::Relax {
+                        f32s::max(gap, 0.0) / h
+                    } else if gap > 0.0 {
+                        gap / h
+                    } else {
+                        f32s::max(0.2 * gap / h, -push_out)
+                    };
+                    f32s::max(pushed - x.mass * (toward + bias), 0.0)
+                }
+            };
+            // Where the other end is the nearer one now, what this one pushed with goes.
+            x.impulse = sign * new;
+        }
+    }
+    x.impulse - old
+}
+
+impl Extra {
+    /// Hard ends and motors after a speed hold while they can; springs and soft ends push once per substep and start afresh.
+    pub fn may_hold(&self) -> bool {
+        matches!(self.duty, Duty::Speed { .. } | Duty::Limit(LimitDesc { spring: None, .. }))
+    }
+    /// Which end is the nearer one (+1 the lower), and the gap to it.
+    pub fn end(&self, l: &LimitDesc) -> (f32, f32) {
+        let (low, high) = (self.row.c - l.min, l.max - self.row.c);
+        if low < high { (1.0, low) } else { (-1.0, high) }
+    }
+    /// What the direct solve has to take from the speed `v` of the row.
+    pub fn wanted(&self, v: f32, k: &Constants, sweep: Sweep) -> f32 {
+        match &self.duty {
+            Duty::Speed { speed, .. } => v - speed,
+            Duty::Limit(l) => {
+                let (sign, gap) = self.end(l);
+                if sweep == Sweep::Relax { v } else { v + sign * f32s::max(gap / k.h, -k.push_out) }
+            }
+            Duty::Spring { .. } => 0.0,
+        }
+    }
+    /// The nearest impulse that it can give in a substep.
+    pub fn allowed(&self, impulse: f32, h: f32) -> f32 {
+        match &self.duty {
+            Duty::Speed { max, .. } => f32s::clamp(impulse, -max * h, max * h),
+            Duty::Limit(l) if l.holds_still() => impulse,
+            Duty::Limit(l) => {
+                let sign = self.end(l).0;
+                sign * f32s::max(sign * impulse, 0.0)
+            }
+            Duty::Spring { .. } => impulse,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spring_swings_and_decays_exactly() {
+        let h = 1.0 / 240.0;
+        for (hertz, zeta) in [(1.0, 0.0), (5.0, 0.1), (2.0, 0.7), (3.0, 1.0), (1.0, 4.0)] {
+            let (a, b) = gains(&SpringDesc::hertz(hertz, zeta), 1.0, h);
+            let (mut x, mut v) = (1.0_f64, 0.0_f64);
+            let (a, b) = (f64::from(a), f64::from(b));
+            // Start on the discrete mode of the continuous one: x₁ as it should be.
+            let w = core::f64::consts::TAU * f64::from(hertz);
+            let z = f64::from(zeta);
+            let exact = |t: f64| {
+                let s = z * w;
+                let y2 = w * w - s * s;
+                let e = jounce_math::scalar::f64s::exp(-s * t);
+                if y2.abs() < 1e-6 {
+                    e * (1.0 + s * t)
+                } else if y2 > 0.0 {
+                    let y = y2.sqrt();
+                    e * (jounce_math::scalar::f64s::cos(y * t)
+                        + s / y * jounce_math::scalar::f64s::sin(y * t))
+                } else {
+                    let r = (-y2).sqrt();
+                    let (p, m) = (
+                        jounce_math::scalar::f64s::exp((r - s) * t),
+                        jounce_math::scalar::f64s::exp((-r - s) * t),
+                    );
+                    0.5 * (p + m) + s / r * 0.5 * (p - m)
+                }
+            };
+            let dt = f64::from(h);
+            v += ((exact(dt) - 1.0) / dt + a) / (1.0 - b);
+            for i in 1..=480 {
+                v -= a * x + b * v;
+                x += dt * v;
+                let want = exact(f64::from(i) * dt);
+                assert!((x - want).abs() < 2e-4, "{hertz} Hz, ζ {zeta}, substep {i}: {x} for {want}");
+            }
+        }
+    }
+}

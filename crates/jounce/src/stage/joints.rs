@@ -1,0 +1,302 @@
+//! Joints in the step: gathers those that are awake into sets, and hands the sets out.
+
+use super::Step;
+use crate::room::contacts::prepare::Softness;
+use crate::room::joints::desc::JointKind;
+use crate::room::joints::direct::root;
+use crate::room::joints::set::{Constants, Gear, JointSet, Local, Solve};
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::solve::{absorb, settle, turns_freely};
+use crate::room::rigid::state::{InvInertia, NONE};
+use crate::world::World;
+use jounce_math::{Vec3, scalar::f32s};
+
+/// Memory that is reused from step to step and is not state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointScratch {
+    pub sets: Vec<JointSet>,
+    ids: Vec<u32>,
+    /// Who was gathered, and which ends moved, when the sets were made.
+    made_of: Vec<u64>,
+    version: u64,
+    broke: Vec<(u32, f32, f32)>,
+}
+
+/// Once per step: the sets, and where everything stands.
+pub(crate) fn prepare(world: &mut World, _: &Step) {
+    let mut s = core::mem::take(&mut world.scratch.joints);
+    s.ids.clear();
+    if !world.joints.is_empty() {
+        gather(world, &mut s.ids);
+    }
+    if s.ids.is_empty() {
+        s.sets.clear();
+        s.made_of.clear();
+        world.scratch.joints = s;
+        return;
+    }
+    let moving = |body: u32| u64::from(dynamic_row(world, body) != NONE);
+    let signature = |id: u32| {
+        let j = &world.joints.table[id];
+        (u64::from(id) << 2) | (moving(j.body_a) << 1) | moving(j.body_b)
+    };
+    let same = s.version == world.joints.version
+        && s.made_of.len() == s.ids.len()
+        && s.made_of.iter().zip(&s.ids).all(|(m, id)| *m == signature(*id));
+    if !same {
+        let made_of = s.ids.iter().map(|&id| signature(id)).collect();
+        s.made_of = made_of;
+        s.version = world.joints.version;
+        make_sets(world, &s.ids, &mut s.sets);
+    }
+    let shared: &World = world;
+    shared.tasks.for_each(&mut s.sets, 1, |_, set| begin(shared, set, !same));
+    world.scratch.joints = s;
+}
+
+/// Joints with an awake body, in slot order.
+fn gather(world: &World, ids: &mut Vec<u32>) {
+    for b in &world.awake.step {
+        ids.extend_from_slice(&world.bodies[b.body].joints);
+    }
+    ids.sort_unstable();
+    ids.dedup();
+    ids.retain(|&id| {
+        let j = &world.joints.table[id];
+        let ends = [j.body_a, j.body_b];
+        j.acts()
+            && ends.iter().all(|&b| world.bodies[b].enabled)
+            && (j.is_gear() || ends.iter().any(|&b| dynamic_row(world, b) != NONE))
+    });
+}
+
+/// Row of a dynamic body that is awake.
+fn dynamic_row(world: &World, body: u32) -> u32 {
+    let row = world.frames[body as usize].row;
+    if row != NONE && world.awake.step[row as usize].kind == BodyKind::Dynamic { row } else { NONE }
+}
+
+fn make_sets(world: &World, ids: &[u32], sets: &mut Vec<JointSet>) {
+    sets.clear();
+    let place = |id: u32| ids.binary_search(&id).ok();
+    let mut parent: Vec<u32> = (0..world.awake.state.len() as u32).collect();
+    let unite = |parent: &mut Vec<u32>, a: u32, b: u32| {
+        if a != NONE && b != NONE {
+            let (a, b) = (root(parent, a), root(parent, b));
+            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
+            parent[hi as usize] = lo;
+        }
+    };
+    let rows = |id: u32| {
+        let j = &world.joints.table[id];
+        [dynamic_row(world, j.body_a), dynamic_row(world, j.body_b)]
+    };
+    let any = |id: u32| {
+        let [a, b] = rows(id);
+        if a != NONE { a } else { b }
+    };
+    for &id in ids {
+        let [a, b] = rows(id);
+        unite(&mut parent, a, b);
+        if let JointKind::Gear { a, b, .. } = world.joints.table[id].desc.kind
+            && place(a.index).is_some()
+            && place(b.index).is_some()
+        {
+            unite(&mut parent, any(a.index), any(b.index));
+        }
+    }
+    // Sets in the order of their first joints.
+    let mut set_of = vec![NONE; world.awake.state.len()];
+    let mut local = std::collections::BTreeMap::new();
+    let mut joint_at = std::collections::BTreeMap::new();
+    for gears in [false, true] {
+        for &id in ids.iter().filter(|&&id| world.joints.table[id].is_gear() == gears) {
+            let j = &world.joints.table[id];
+            if let JointKind::Gear { a, b, ratio } = j.desc.kind {
+                let (Some(&(set, x)), Some(&(other, y))) = (joint_at.get(&a.index), joint_at.get(&b.index))
+                else {
+                    continue;
+                };
+                if set == other {
+                    let set: &mut JointSet = &mut sets[set];
+                    set.gears.push(Gear { id, a: x, b: y, ratio, rest: j.coordinate, impulse: 0.0 });
+                }
+                continue;
+            }
+            let any = any(id);
+            let root = root(&mut parent, any) as usize;
+            if set_of[root] == NONE {
+                set_of[root] = sets.len() as u32;
+                sets.push(JointSet::default());
+            }
+            let at = set_of[root] as usize;
+            let set = &mut sets[at];
+            let [a, b] = [j.body_a, j.body_b].map(|slot| {
+                *local.entry((at, slot)).or_insert_with(|| {
+                    set.bodies.push(Local::new(slot));
+                    set.bodies.len() - 1
+                })
+            });
+            joint_at.insert(id, (at, set.joints.len()));
+            set.joints.push(Solve::new(id, a, b));
+        }
+    }
+}
+
+/// The start of a step for one set.
+fn begin(world: &World, set: &mut JointSet, new: bool) {
+    for b in &mut set.bodies {
+        b.row = world.frames[b.slot as usize].row;
+        let Some(inertia) = world.awake.inertia.get(b.row as usize) else { continue };
+        let step = &world.awake.step[b.row as usize];
+        let dynamic = step.kind == BodyKind::Dynamic;
+        let inv = |i: u8| if dynamic && step.locks & (1 << i) == 0 { inertia.inv_mass } else { 0.0 };
+        b.start_inv_mass = Vec3::new(inv(0), inv(1), inv(2));
+        b.start_tensor = if dynamic { *inertia } else { InvInertia::default() };
+        b.turns = dynamic && step.locks & 56 == 0;
+        b.free = dynamic && turns_freely(step);
+        (b.inv_mass, b.tensor) = (b.start_inv_mass, b.start_tensor);
+    }
+    let JointSet { joints, gears, .. } = set;
+    for s in joints.iter_mut() {
+        let j = &world.joints.table[s.id];
+        s.begin(j);
+        s.start = world.start(j);
+        if let JointKind::Pulley { wheel_a, wheel_b, .. } = j.desc.kind {
+            let center = |slot: u32| world.frames[slot as usize].center;
+            s.wheels = [(center(j.body_a) - wheel_a).as_vec3(), (center(j.body_b) - wheel_b).as_vec3()];
+        }
+    }
+    for g in gears.iter_mut() {
+        let j = &world.joints.table[g.id];
+        (g.rest, g.impulse) = (j.coordinate, j.hard[0]);
+    }
+    if new {
+        set.arrange(&world.joints);
+    }
+}
+
+fn constants(world: &World, step: &Step) -> Constants {
+    let (s, k) = (&world.settings, &step.constants);
+    let hertz = f32s::min(s.joint_hertz, 0.25 * k.inv_h);
+    Constants {
+        h: k.h,
+        warm: k.warm,
+        soft: Softness::new(hertz, s.joint_damping_ratio, k.h),
+        push_out: k.push_out_speed,
+        correct: 10.0 * s.length_unit,
+    }
+}
+
+/// Before the positions move.
+pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
+    let k = constants(world, step);
+    pass(world, |world, set| set.solve(&world.joints, &k, substep == 0));
+}
+
+/// After they moved.
+pub(crate) fn relax(world: &mut World, step: &Step) {
+    let k = constants(world, step);
+    pass(world, |world, set| set.relax(&world.joints, &k));
+}
+
+fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
+    if world.scratch.joints.sets.is_empty() {
+        return;
+    }
+    let mut sets = core::mem::take(&mut world.scratch.joints.sets);
+    let shared: &World = world;
+    shared.tasks.for_each(&mut sets, 1, |_, set| {
+        set.bodies.iter_mut().for_each(|b| load(shared, b));
+        f(shared, set);
+        set.bodies.iter_mut().for_each(|b| unload(shared, b));
+    });
+    for b in sets.iter().flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
+        world.awake.state[b.row as usize].put(&b.m);
+        world.awake.turning[b.row as usize] = b.turning;
+    }
+    world.scratch.joints.sets = sets;
+}
+
+fn load(world: &World, b: &mut Local) {
+    let Some(state) = world.awake.state.get(b.row as usize) else { return };
+    b.m = state.get();
+    (b.inv_mass, b.tensor) = (b.start_inv_mass, b.start_tensor);
+    let frame = &world.frames[b.slot as usize];
+    let mass = &world.bodies[b.slot].mass;
+    b.inertia = None;
+    if b.turns && b.inv_mass.max_component() > 0.0 {
+        let r = (b.m.dq * frame.rotation).to_mat3();
+        let raised = world.awake.step[b.row as usize].raised;
+        b.inertia = Some((r * mass.inertia * r.transpose()).scale(raised));
+    }
+    if !b.free {
+        return;
+    }
+    b.turning = world.awake.turning[b.row as usize];
+    settle(&mut b.m, &mut b.turning, mass, frame.rotation);
+    let inertia = &world.awake.inertia[b.row as usize];
+    let raised = if mass.inv_mass > 0.0 { inertia.inv_mass / mass.inv_mass } else { 1.0 };
+    b.tensor = InvInertia::new((b.m.dq * frame.rotation).normalize(), &mass.inv_inertia, inertia.inv_mass, 0)
+        .scaled(raised);
+}
+
+fn unload(world: &World, b: &mut Local) {
+    if b.free {
+        let frame = &world.frames[b.slot as usize];
+        absorb(&b.m, &mut b.turning, &world.bodies[b.slot].mass, frame.rotation);
+    }
+}
+
+/// Impulses back to the records; what breaks.
+pub(crate) fn finish(world: &mut World, step: &Step) {
+    if world.scratch.joints.sets.is_empty() {
+        return;
+    }
+    let mut s = core::mem::take(&mut world.scratch.joints);
+    s.broke.clear();
+    for set in &s.sets {
+        for g in &set.gears {
+            world.joints.table[g.id].hard[0] = g.impulse;
+        }
+        for solve in &set.joints {
+            let j = &mut world.joints.table[solve.id];
+            j.hard = solve.lambda;
+            j.extra.clear();
+            j.extra.extend(solve.extra.iter().map(|x| x.impulse));
+            j.coordinate = solve.coordinate;
+            (j.force, j.torque) = (solve.force * (1.0 / step.dt), solve.torque * (1.0 / step.dt));
+            j.last = solve.last;
+            if solve.broke {
+                s.broke.push((solve.id, j.force.length(), j.torque.length()));
+            }
+        }
+    }
+    s.broke.sort_by_key(|b| b.0);
+    for &(id, force, torque) in &s.broke {
+        world.break_joint(id, force, torque);
+    }
+    world.scratch.joints = s;
+}
+
+/// Bodies on joints to kinematic bodies that move do not rest, and are woken.
+pub(crate) fn stir(world: &mut World) {
+    if world.joints.is_empty() {
+        return;
+    }
+    let mut wakes = Vec::new();
+    for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
+        if b.kind != BodyKind::Kinematic || (s.v() == Vec3::ZERO && s.w() == Vec3::ZERO) {
+            continue;
+        }
+        for &id in &world.bodies[b.body].joints {
+            let j = &world.joints.table[id];
+            if j.acts() {
+                wakes.push(if j.body_a == b.body { j.body_b } else { j.body_a });
+            }
+        }
+    }
+    for slot in wakes {
+        world.wake_body(slot);
+    }
+}

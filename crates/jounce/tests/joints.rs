@@ -1,0 +1,641 @@
+//! Joints against closed forms, and against themselves.
+//!
+//! Sources of the numbers: docs and `jounce verify`; periods of the pendulum by the arithmetic-geometric mean.
+
+use jounce::math::scalar::{f32s, f64s};
+use jounce::prelude::*;
+use jounce::{AxisDesc, PathDesc};
+
+fn world() -> World {
+    World::new(WorldDesc::default()).unwrap()
+}
+
+fn anchor(w: &mut World) -> BodyId {
+    w.add_body(BodyDesc::fixed()).unwrap()
+}
+
+fn ball(w: &mut World, at: [f64; 3], radius: f32, mass: f32) -> BodyId {
+    w.add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::sphere(radius).mass(mass))).unwrap()
+}
+
+/// Period of a pendulum of length 1 by the arithmetic-geometric mean.
+fn period(amplitude_deg: f64) -> f64 {
+    let (mut a, mut b) = (1.0, f64s::cos(amplitude_deg.to_radians() / 2.0));
+    for _ in 0..20 {
+        (a, b) = ((a + b) / 2.0, (a * b).sqrt());
+    }
+    core::f64::consts::TAU / 9.81_f64.sqrt() / a
+}
+
+/// Mean period over some swings, of a bob on a rod from a fixed point, by crossings of the vertical.
+fn measured(amplitude_deg: f64, swings: usize) -> (f64, f64) {
+    let mut w = world();
+    let hook = anchor(&mut w);
+    let t = amplitude_deg.to_radians();
+    let at = [f64s::sin(t), -f64s::cos(t), 0.0];
+    let bob = ball(&mut w, at, 0.01, 1.0);
+    w.add_joint(JointDesc::rod(hook, bob, [0.0; 3], at)).unwrap();
+    w.apply(jounce::Command::SetCanSleep(bob, false)).unwrap();
+    let e0 = w.energy().total();
+    let (mut crossings, mut last) = (Vec::new(), at[0]);
+    let mut drift = 0.0;
+    while crossings.len() < 2 * swings + 1 && w.time() < 60.0 {
+        w.step().unwrap();
+        let x = w.body(bob).unwrap().position().x;
+        if x.signum() != last.signum() {
+            let part = last / (last - x);
+            crossings.push(w.time() - w.dt() * (1.0 - part));
+        }
+        last = x;
+        drift = f64s::max(drift, (w.energy().total() - e0).abs());
+    }
+    let n = crossings.len() - 1;
+    ((crossings[n] - crossings[0]) / n as f64 * 2.0, drift)
+}
+
+#[test]
+fn pendulums_keep_their_periods() {
+    for (amplitude, tolerance) in
+        [(5.0, 2e-3), (30.0, 2e-3), (60.0, 2e-3), (90.0, 2e-3), (120.0, 2e-3), (150.0, 2e-3), (170.0, 1e-2)]
+    {
+        let (got, drift) = measured(amplitude, 4);
+        let want = period(amplitude);
+        println!("{amplitude}°: {got} for {want} ({:.5}), energy within {drift}", got / want - 1.0);
+        assert!((got / want - 1.0).abs() < tolerance, "{amplitude}°: {got} for {want}");
+    }
+}
+
+#[test]
+fn a_double_pendulum_keeps_its_energy() {
+    let mut w = world();
+    let hook = anchor(&mut w);
+    let a = ball(&mut w, [1.0, 0.0, 0.0], 0.01, 1.0);
+    let b = ball(&mut w, [2.0, 0.0, 0.0], 0.01, 1.0);
+    w.add_joint(JointDesc::rod(hook, a, [0.0; 3], [1.0, 0.0, 0.0])).unwrap();
+    w.add_joint(JointDesc::rod(a, b, [1.0, 0.0, 0.0], [2.0, 0.0, 0.0])).unwrap();
+    let e0 = w.energy().total();
+    let mut worst: f64 = 0.0;
+    let mut mean = [0.0; 60];
+    for i in 0..3600 {
+        w.step().unwrap();
+        let e = w.energy().total() - e0;
+        worst = f64s::max(worst, e.abs());
+        mean[i / 60] += e / 60.0;
+    }
+    println!("double pendulum: worst {} of 4mgL; seconds {:?}", worst / (4.0 * 9.81), &mean[50..]);
+    assert!(worst < 0.01 * 4.0 * 9.81, "{worst}");
+}
+
+#[test]
+fn a_hundred_kilograms_hang_on_a_light_chain() {
+    for load in [1.0_f32, 100.0, 10_000.0] {
+        let mut w = world();
+        let hook = anchor(&mut w);
+        let mut last = hook;
+        let n = 50;
+        for i in 0..n {
+            let y = -0.1 * f64::from(i);
+            let link = w
+                .add_body(
+                    BodyDesc::dynamic()
+                        .at([0.0, y - 0.05, 0.0])
+                        .shape(ShapeDesc::capsule(0.04, 0.01).mass(0.02)),
+                )
+                .unwrap();
+            w.add_joint(JointDesc::ball(last, link, [0.0, y, 0.0])).unwrap();
+            last = link;
+        }
+        let y = -0.1 * f64::from(n);
+        let weight = ball(&mut w, [0.0, y - 0.5, 0.0], 0.5, load);
+        w.add_joint(JointDesc::ball(last, weight, [0.0, y, 0.0])).unwrap();
+        w.add_impulse(weight, Vec3::new(load, 0.0, 0.0), None).unwrap();
+        let mut stretch = 0.0;
+        for i in 0..600 {
+            w.step().unwrap();
+            let p = w.body(weight).unwrap().position();
+            let up = w.body(weight).unwrap().rotation().rotate(Vec3::Y).as_dvec3();
+            let length = (p + up * 0.5).length();
+            if i > 60 {
+                stretch = f64s::max(stretch, (length - 5.0) / 5.0);
+            }
+        }
+        println!("{load} kg: stretch {stretch:.6}");
+        assert!(stretch < 0.01, "{load} kg: {stretch}");
+    }
+}
+
+fn rod_body(w: &mut World, at: [f64; 3], half: [f32; 3], mass: f32) -> BodyId {
+    w.add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid(Vec3::from(half)).mass(mass))).unwrap()
+}
+
+fn run(w: &mut World, seconds: f64) {
+    let steps = (seconds * 60.0).round() as usize;
+    for _ in 0..steps {
+        w.step().unwrap();
+    }
+}
+
+/// A swinging bar on a hinge: T = 2π √(I/(m g d)), thin rod about its end 2π √(2L/3g).
+#[test]
+fn a_bar_on_a_hinge_swings_as_a_rigid_body() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let t = 0.05_f64;
+    let at = [0.5 * f64s::sin(t), -0.5 * f64s::cos(t), 0.0];
+    let q = Quat::from_axis_angle(Vec3::Z, t as f32);
+    let mut d = BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid(Vec3::new(0.005, 0.5, 0.005)).mass(1.0));
+    d.rotation = q;
+    d.can_sleep = false;
+    let bar = w.add_body(d).unwrap();
+    let hinge = w.add_joint(JointDesc::hinge(wall, bar, [0.0; 3], Vec3::Z)).unwrap();
+    let (mut last, mut times) = (t as f32, Vec::new());
+    while times.len() < 9 {
+        w.step().unwrap();
+        let now = w.joint(hinge).unwrap().coordinate() + t as f32;
+        if now.signum() != last.signum() {
+            times.push(w.time() - w.dt() * (1.0 - f64::from(last / (last - now))));
+        }
+        last = now;
+    }
+    let got = (times[8] - times[0]) / 4.0;
+    let i: f64 = (1.0 + 0.01 * 0.01) / 12.0 + 0.25;
+    let want = core::f64::consts::TAU * (i / (9.81 * 0.5)).sqrt() * (1.0 + t * t / 16.0);
+    assert!((got / want - 1.0).abs() < 1e-3, "{got} for {want}");
+}
+
+#[test]
+fn a_slider_falls_along_its_axis_and_stops_at_its_end() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let axis = Vec3::new(0.6, -0.8, 0.0);
+    let b = rod_body(&mut w, [0.0, 0.0, 0.0], [0.1, 0.2, 0.3], 2.0);
+    let j = w.add_joint(JointDesc::slider(wall, b, [0.3, 0.1, 0.0], axis).limited(-1.0, 3.0)).unwrap();
+    run(&mut w, 0.5);
+    let want = 0.5 * 9.81 * 0.8 * 0.25;
+    let got = w.joint(j).unwrap().coordinate();
+    assert!((got - want).abs() < 0.03, "{got} for {want}");
+    run(&mut w, 3.0);
+    let r = w.joint(j).unwrap();
+    assert!((r.coordinate() - 3.0).abs() < 1e-3, "{}", r.coordinate());
+    assert!(r.gap() < 1e-4, "{}", r.gap());
+    // It rests on the end: the joint carries all the weight.
+    assert!((r.force() - Vec3::new(0.0, 2.0 * 9.81, 0.0)).length() < 0.05, "{:?}", r.force());
+    assert!(w.body(b).unwrap().rotation().angle() < 1e-4);
+}
+
+#[test]
+fn a_weld_holds_a_cantilever_and_tells_its_load() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let mut last = wall;
+    let mut first = None;
+    for i in 0..10 {
+        let x = 0.2 * f64::from(i);
+        let b = rod_body(&mut w, [x + 0.1, 0.0, 0.0], [0.1, 0.05, 0.05], 1.0);
+        let j = w.add_joint(JointDesc::fixed(last, b, [x, 0.0, 0.0])).unwrap();
+        first.get_or_insert(j);
+        last = b;
+    }
+    run(&mut w, 2.0);
+    let tip = w.body(last).unwrap().position();
+    assert!((tip - DVec3::new(1.9, 0.0, 0.0)).length() < 1e-4, "{tip:?}");
+    let j = w.joint(first.unwrap()).unwrap();
+    assert!((j.force().y - 98.1).abs() < 0.1, "{:?}", j.force());
+    // Σ m g x = 10 · 9.81 · 1.
+    assert!((j.torque().z.abs() - 98.1).abs() < 0.2, "{:?}", j.torque());
+}
+
+#[test]
+fn hinge_motors_reach_their_speed_and_stall_at_their_strength() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let b = rod_body(&mut w, [0.5, 0.0, 0.0], [0.5, 0.05, 0.05], 1.0);
+    let motor = MotorDesc::velocity(3.0, 100.0);
+    let j = w.add_joint(JointDesc::hinge(wall, b, [0.0; 3], Vec3::Y).motor(motor)).unwrap();
+    run(&mut w, 1.0);
+    let spin = w.body(b).unwrap().angular_velocity();
+    assert!((spin - Vec3::new(0.0, 3.0, 0.0)).length() < 1e-3, "{spin:?}");
+    assert!((w.joint(j).unwrap().coordinate() - 3.0).abs() < 0.06);
+    // Half a turn is counted on: after 3 s it is past one turn.
+    run(&mut w, 2.0);
+    assert!(w.joint(j).unwrap().coordinate() > 8.5, "{}", w.joint(j).unwrap().coordinate());
+    // 1 N m on I = m L²/3 and a bit.
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let b = rod_body(&mut w, [0.5, 0.0, 0.0], [0.5, 0.05, 0.05], 1.0);
+    w.add_joint(JointDesc::hinge(wall, b, [0.0; 3], Vec3::Y).motor(MotorDesc::velocity(50.0, 1.0))).unwrap();
+    run(&mut w, 1.0);
+    let i = (1.0 + 0.01) / 12.0 + 0.25;
+    let got = w.body(b).unwrap().angular_velocity().y;
+    assert!((got - 1.0 / i).abs() < 0.02 / i, "{got} for {}", 1.0 / i);
+}
+
+#[test]
+fn springs_swing_at_their_frequency() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let b = ball(&mut w, [0.0, -1.0, 0.0], 0.1, 2.0);
+    let spring = SpringDesc::newton(200.0, 0.0);
+    w.add_joint(JointDesc::spring(wall, b, [0.0; 3], [0.0, -1.0, 0.0], spring)).unwrap();
+    let sag = 2.0 * 9.81 / 200.0;
+    let (mut low, mut high, mut times, mut last) = (0.0_f64, -9.0_f64, Vec::new(), 0.0_f64);
+    for _ in 0..1200 {
+        w.step().unwrap();
+        let y = w.body(b).unwrap().position().y;
+        (low, high) = (f64s::min(low, y), f64s::max(high, y));
+        let x = y + 1.0 + sag;
+        if last < 0.0 && x >= 0.0 {
+            times.push(w.time() - w.dt() * x / (x - last));
+        }
+        last = x;
+    }
+    let n = times.len() - 1;
+    let got = (times[n] - times[0]) / n as f64;
+    let want = core::f64::consts::TAU * (2.0_f64 / 200.0).sqrt();
+    assert!((got / want - 1.0).abs() < 1e-3, "{got} for {want}");
+    // No damper: after 20 s it still swings as far.
+    assert!((high + 1.0).abs() < 0.01 && (low + 1.0 + 2.0 * sag).abs() < 0.01, "{low} {high}");
+}
+
+#[test]
+fn ropes_go_slack_and_catch() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let b = ball(&mut w, [0.0, -0.5, 0.0], 0.1, 3.0);
+    let j = w.add_joint(JointDesc::rope(wall, b, [0.0; 3], [0.0, -0.5, 0.0], 2.0)).unwrap();
+    run(&mut w, 0.4);
+    let y = w.body(b).unwrap().position().y;
+    assert!((y + 0.5 + 0.5 * 9.81 * 0.16).abs() < 0.02, "falls freely: {y}");
+    assert_eq!(w.joint(j).unwrap().force(), Vec3::ZERO);
+    run(&mut w, 2.0);
+    assert!((w.body(b).unwrap().position().y + 2.0).abs() < 1e-3, "{:?}", w.body(b).unwrap().position());
+    assert!((w.joint(j).unwrap().force().y - 3.0 * 9.81).abs() < 0.05);
+}
+
+#[test]
+fn gears_turn_together_and_keep_momentum() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let frame = rod_body(&mut w, [0.0, 0.0, 0.0], [1.0, 0.1, 0.1], 5.0);
+    let wheel = |w: &mut World, x: f64, r: f32, m: f32| {
+        let mut d = BodyDesc::dynamic().at([x, 0.0, 0.5]).shape(ShapeDesc::cylinder(0.05, r).mass(m));
+        d.rotation = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
+        w.add_body(d).unwrap()
+    };
+    let a = wheel(&mut w, -0.5, 0.3, 1.0);
+    let b = wheel(&mut w, 0.5, 0.6, 4.0);
+    let ja = w.add_joint(JointDesc::hinge(frame, a, [-0.5, 0.0, 0.5], Vec3::Z)).unwrap();
+    let jb = w.add_joint(JointDesc::hinge(frame, b, [0.5, 0.0, 0.5], Vec3::Z)).unwrap();
+    w.add_joint(JointDesc::gear(ja, jb, 2.0)).unwrap();
+    w.add_angular_impulse(a, Vec3::new(0.0, 0.0, 0.5)).unwrap();
+    let before = w.momentum().angular;
+    run(&mut w, 2.0);
+    let (qa, qb) = (w.joint(ja).unwrap().coordinate(), w.joint(jb).unwrap().coordinate());
+    assert!(qa.abs() > 1.0 && (qa + 2.0 * qb).abs() < 0.01, "{qa} {qb}");
+    assert!((w.momentum().angular - before).length() < 2e-4, "{:?} for {before:?}", w.momentum().angular);
+}
+
+#[test]
+fn a_rack_follows_its_pinion() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let mut d = BodyDesc::dynamic().at([0.0, 0.0, 0.0]).shape(ShapeDesc::cylinder(0.05, 0.25).mass(1.0));
+    d.rotation = Quat::from_rotation_arc(Vec3::Y, Vec3::Z);
+    let pinion = w.add_body(d).unwrap();
+    let rack = rod_body(&mut w, [0.0, -0.3, 0.0], [1.0, 0.05, 0.05], 2.0);
+    let hinge = w
+        .add_joint(JointDesc::hinge(wall, pinion, [0.0; 3], Vec3::Z).motor(MotorDesc::velocity(2.0, 50.0)))
+        .unwrap();
+    let slider = w.add_joint(JointDesc::slider(wall, rack, [0.0, -0.3, 0.0], Vec3::X)).unwrap();
+    // v = ω r: q_hinge − q_slider / r = 0.
+    w.add_joint(JointDesc::gear(hinge, slider, -4.0)).unwrap();
+    run(&mut w, 1.0);
+    let (q, x) = (w.joint(hinge).unwrap().coordinate(), w.joint(slider).unwrap().coordinate());
+    assert!((q - 2.0).abs() < 0.05 && (x - 0.25 * q).abs() < 2e-3, "{q} {x}");
+}
+
+#[test]
+fn a_pulley_balances_by_its_ratio() {
+    let mut w = world();
+    let a = ball(&mut w, [-1.0, -1.0, 0.0], 0.1, 2.0);
+    let b = ball(&mut w, [1.0, -1.0, 0.0], 0.1, 1.0);
+    let kind = JointKind::Pulley {
+        wheel_a: DVec3::new(-1.0, 1.0, 0.0),
+        wheel_b: DVec3::new(1.0, 1.0, 0.0),
+        ratio: 1.0,
+        length: None,
+    };
+    let mut d = JointDesc::rod(a, b, [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]);
+    d.kind = kind;
+    let j = w.add_joint(d).unwrap();
+    run(&mut w, 0.5);
+    // Atwood: a = g (m₁ − m₂)/(m₁ + m₂) = g/3.
+    let want = 9.81 / 3.0 * 0.5;
+    let (va, vb) = (w.body(a).unwrap().velocity().y, w.body(b).unwrap().velocity().y);
+    assert!((va + want).abs() < 0.01 && (vb - want).abs() < 0.01, "{va} {vb}");
+    let JointKind::Pulley { length: Some(l), .. } = *w.joint(j).unwrap().kind() else { panic!() };
+    assert!((l - 4.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_bead_stays_on_its_wire() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let points: Vec<Vec3> = (0..33)
+        .map(|i| {
+            let t = core::f32::consts::PI * (1.0 + i as f32 / 32.0);
+            Vec3::new(f32s::cos(t), f32s::sin(t), 0.0)
+        })
+        .collect();
+    let b = ball(&mut w, [-1.0, 0.0, 0.0], 0.05, 1.0);
+    let path = PathDesc { points, closed: false, aligned: false, axis: AxisDesc::FREE };
+    let mut d = JointDesc::ball(wall, b, [0.0; 3]).kind(JointKind::Path(Box::new(path)));
+    d.frames = jounce::JointFrames::Local(Pose::IDENTITY, Pose::IDENTITY);
+    let j = w.add_joint(d).unwrap();
+    w.apply(jounce::Command::SetCanSleep(b, false)).unwrap();
+    let e0 = w.energy().total();
+    let mut off = 0.0;
+    for _ in 0..600 {
+        w.step().unwrap();
+        let p = w.body(b).unwrap().position();
+        off = f64s::max(off, (p.length() - 1.0).abs());
+    }
+    assert!(off < 2e-3, "{off}");
+    // A circle of radius 1, frictionless: it swings to and fro, up to where it came from.
+    let e = w.energy().total();
+    assert!((e - e0).abs() < 0.15, "{e} for {e0}");
+    assert!((0.0..=3.2).contains(&w.joint(j).unwrap().coordinate()));
+}
+
+#[test]
+fn cone_and_twist_hold_a_limb() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let b = rod_body(&mut w, [0.5, 0.0, 0.0], [0.5, 0.05, 0.1], 1.0);
+    let j = w.add_joint(JointDesc::ball(wall, b, [0.0; 3]).cone_twist(0.5, -0.3, 0.3)).unwrap();
+    w.add_angular_impulse(b, Vec3::new(0.05, 0.0, 0.0)).unwrap();
+    let (mut cone, mut twist) = (0.0_f32, 0.0_f32);
+    for _ in 0..300 {
+        w.step().unwrap();
+        let r = w.joint(j).unwrap();
+        cone = f32s::max(cone, r.coordinate());
+        let q = w.body(b).unwrap().rotation();
+        twist = f32s::max(twist, 2.0 * f32s::atan2(q.x, q.w).abs());
+    }
+    assert!(cone > 0.45 && cone < 0.5 + 0.05, "{cone}");
+    assert!(twist > 0.2 && twist < 0.3 + 0.05, "{twist}");
+}
+
+#[test]
+fn joints_break_at_their_force_and_not_before() {
+    for (mass, breaks) in [(9.0, false), (11.0, true)] {
+        let mut w = world();
+        let wall = anchor(&mut w);
+        let b = ball(&mut w, [0.0, -1.0, 0.0], 0.1, mass);
+        let j =
+            w.add_joint(JointDesc::ball(wall, b, [0.0, -1.0, 0.0]).breaks_at(98.1, f32::INFINITY)).unwrap();
+        let mut told = 0;
+        for _ in 0..60 {
+            w.step().unwrap();
+            told += w
+                .events()
+                .iter()
+                .filter(|e| matches!(e, Event::JointBreak { joint, .. } if *joint == j))
+                .count();
+        }
+        assert_eq!(told, usize::from(breaks), "{mass} kg");
+        assert_eq!(w.joint(j).unwrap().is_broken(), breaks);
+        if breaks {
+            assert!(w.body(b).unwrap().position().y < -2.0);
+        }
+    }
+}
+
+#[test]
+fn jointed_bodies_pass_through_each_other_until_the_joint_goes() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let a = ball(&mut w, [0.0, 0.0, 0.0], 0.5, 1.0);
+    let b = ball(&mut w, [0.4, 0.0, 0.0], 0.5, 1.0);
+    w.step().unwrap();
+    assert_eq!(w.counts().contacts, 1);
+    let j = w.add_joint(JointDesc::ball(a, b, [0.2, 0.0, 0.0])).unwrap();
+    assert_eq!(w.counts().contacts, 0);
+    run(&mut w, 0.2);
+    let apart = (w.body(b).unwrap().position() - w.body(a).unwrap().position()).length();
+    assert!(apart < 0.46, "{apart} {}", w.joint(j).unwrap().gap());
+    w.remove_joint(j).unwrap();
+    run(&mut w, 1.0);
+    assert!((w.body(b).unwrap().position() - w.body(a).unwrap().position()).length() > 0.9);
+}
+
+#[test]
+fn joined_bodies_sleep_and_wake_together() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let mut last = wall;
+    let mut all = Vec::new();
+    for i in 0..5 {
+        let y = -0.3 * f64::from(i);
+        let b = rod_body(&mut w, [0.0, y - 0.15, 0.0], [0.05, 0.15, 0.05], 1.0);
+        w.add_joint(JointDesc::ball(last, b, [0.0, y, 0.0])).unwrap();
+        all.push(b);
+        last = b;
+    }
+    run(&mut w, 2.0);
+    assert!(all.iter().all(|&b| !w.body(b).unwrap().is_awake()));
+    w.add_impulse(all[4], Vec3::new(0.5, 0.0, 0.0), None).unwrap();
+    assert!(all.iter().all(|&b| w.body(b).unwrap().is_awake()));
+}
+
+#[test]
+fn a_kinematic_body_drags_what_hangs_on_it() {
+    let mut w = world();
+    let hand = w.add_body(BodyDesc::kinematic().at([0.0, 0.0, 0.0])).unwrap();
+    let b = ball(&mut w, [0.0, -1.0, 0.0], 0.1, 1.0);
+    w.add_joint(JointDesc::rod(hand, b, [0.0; 3], [0.0, -1.0, 0.0])).unwrap();
+    run(&mut w, 2.0);
+    assert!(!w.body(b).unwrap().is_awake());
+    w.set_velocity(hand, Vec3::new(1.0, 0.0, 0.0)).unwrap();
+    run(&mut w, 4.0);
+    let (h, p) = (w.body(hand).unwrap().position(), w.body(b).unwrap().position());
+    assert!(h.x > 3.9 && (p - h).length() < 1.001 && (p - h).length() > 0.999, "{h:?} {p:?}");
+}
+
+/// Four bars in a square, three hinges and a fourth that closes the loop, twice over-determined in space.
+#[test]
+fn loops_hold() {
+    let mut w = world();
+    let wall = anchor(&mut w);
+    let mut d = BodyDesc::dynamic()
+        .at([0.0, -0.5, 0.0])
+        .shape(ShapeDesc::cuboid(Vec3::new(0.05, 0.5, 0.05)).mass(1.0));
+    d.can_sleep = false;
+    let left = w.add_body(d.clone()).unwrap();
+    d.position = DVec3::new(1.0, -0.5, 0.0);
+    let right = w.add_body(d).unwrap();
+    let bottom = rod_body(&mut w, [0.5, -1.0, 0.0], [0.5, 0.05, 0.05], 1.0);
+    let at = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+    let pairs = [(wall, left), (wall, right), (left, bottom), (right, bottom)];
+    let joints: Vec<JointId> = at
+        .iter()
+        .zip(pairs)
+        .map(|(p, (a, b))| w.add_joint(JointDesc::hinge(a, b, *p, Vec3::Z)).unwrap())
+        .collect();
+    w.add_impulse(bottom, Vec3::new(3.0, 0.0, 1.0), None).unwrap();
+    let mut gap = 0.0;
+    let mut swing = 0.0;
+    for _ in 0..600 {
+        w.step().unwrap();
+        gap = joints.iter().map(|&j| w.joint(j).unwrap().gap()).fold(gap, f32s::max);
+        swing = f64s::max(swing, w.body(bottom).unwrap().position().x - 0.5);
+        let q = w.body(bottom).unwrap().rotation();
+        assert!(q.angle() < 0.02, "a parallelogram's bar stays level: {q:?}");
+    }
+    assert!(gap < 1e-3 && swing > 0.3, "{gap} {swing}");
+}
+
+#[test]
+fn an_isolated_ragdoll_of_joints_keeps_its_momentum() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let trunk = rod_body(&mut w, [0.0; 3], [0.2, 0.4, 0.1], 30.0);
+    let mut limbs = Vec::new();
+    for (x, y) in [(-1.0, 0.4), (1.0, 0.4), (-1.0, -0.4), (1.0, -0.4)] {
+        let upper = rod_body(&mut w, [0.4 * x, y, 0.0], [0.2, 0.05, 0.05], 3.0);
+        let lower = rod_body(&mut w, [0.8 * x, y, 0.0], [0.2, 0.04, 0.04], 2.0);
+        w.add_joint(JointDesc::ball(trunk, upper, [0.2 * x, y, 0.0]).cone_twist(1.0, -0.5, 0.5)).unwrap();
+        w.add_joint(JointDesc::hinge(upper, lower, [0.6 * x, y, 0.0], Vec3::Y).limited(-1.0, 1.0)).unwrap();
+        limbs.push(lower);
+    }
+    w.add_impulse(limbs[0], Vec3::new(1.0, 8.0, 5.0), None).unwrap();
+    w.add_impulse(limbs[3], Vec3::new(0.0, 3.0, -6.0), None).unwrap();
+    let before = w.momentum();
+    let (mut p, mut l) = (0.0, 0.0);
+    for _ in 0..600 {
+        w.step().unwrap();
+        let now = w.momentum();
+        p = f64s::max(p, (now.linear - before.linear).length());
+        l = f64s::max(l, (now.angular - before.angular).length());
+    }
+    let (p0, l0) = (before.linear.length(), before.angular.length());
+    println!("Δp {:.2e} of {p0:.2}, ΔL {:.2e} of {l0:.2}", p, l);
+    assert!(p < 1e-5 * p0 && l < 1e-3 * l0, "{p} {l}");
+}
+
+/// A net of ball joints is solved row by row by itself, and a chain where that is asked for.
+#[test]
+fn the_iterative_solver_holds_too() {
+    let mut w = world();
+    let hook = anchor(&mut w);
+    let n = 12_u32;
+    let mut grid = Vec::new();
+    for y in 0..n {
+        for x in 0..n {
+            let at = [f64::from(x) * 0.5, 0.0, f64::from(y) * 0.5];
+            grid.push(ball(&mut w, at, 0.1, 0.2));
+        }
+    }
+    let at = |w: &World, i: u32| w.body(grid[i as usize]).unwrap().position();
+    let mut joints = Vec::new();
+    for y in 0..n {
+        for x in 0..n {
+            let i = y * n + x;
+            for (other, ok) in [(i + 1, x + 1 < n), (i + n, y + 1 < n)] {
+                if ok {
+                    let middle = (at(&w, i) + at(&w, other)) * 0.5;
+                    let d = JointDesc::ball(grid[i as usize], grid[other as usize], middle);
+                    joints.push(w.add_joint(d).unwrap());
+                }
+            }
+        }
+    }
+    for i in [0, n - 1, n * (n - 1), n * n - 1] {
+        w.add_joint(JointDesc::ball(hook, grid[i as usize], at(&w, i))).unwrap();
+    }
+    run(&mut w, 5.0);
+    let gap = joints.iter().map(|&j| w.joint(j).unwrap().gap()).fold(0.0, f32s::max);
+    // Flat as it hangs, its pull is many times its weight; soft rows yield some centimetres of the 50 between two balls.
+    assert!(gap < 0.05, "{gap}");
+}
+
+#[test]
+fn jointed_worlds_have_the_same_bits_on_any_thread_count_and_as_clones() {
+    let build = || {
+        let mut w = world();
+        w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
+        for k in 0..6 {
+            let z = f64::from(k) * 2.0;
+            let mut last = anchor(&mut w);
+            for i in 0..8 {
+                let x = f64::from(i);
+                let b = rod_body(&mut w, [x + 0.5, 3.0, z], [0.45, 0.1, 0.2], 1.0 + i as f32);
+                let joint = match (i + k) % 4 {
+                    0 => JointDesc::hinge(last, b, [x, 3.0, z], Vec3::Z).limited(-0.5, 0.5),
+                    1 => JointDesc::ball(last, b, [x, 3.0, z]).cone_twist(0.6, -0.2, 0.2),
+                    2 => JointDesc::rope(last, b, [x - 0.1, 3.0, z], [x + 0.1, 3.0, z], 0.4),
+                    _ => JointDesc::fixed(last, b, [x, 3.0, z]).breaks_at(400.0, 200.0),
+                };
+                w.add_joint(joint).unwrap();
+                last = b;
+            }
+        }
+        w
+    };
+    let mut one = build();
+    let mut four = build();
+    four.set_tasks(Tasks::pool(4));
+    let mut chaos = build();
+    chaos.set_tasks(Tasks::chaos(7));
+    let mut copy = None;
+    for i in 0..240 {
+        one.step().unwrap();
+        four.step().unwrap();
+        chaos.step().unwrap();
+        assert_eq!(one.hash(), four.hash(), "step {i}");
+        assert_eq!(one.hash(), chaos.hash(), "step {i}");
+        if i == 60 {
+            copy = Some(one.clone());
+        } else if let Some(copy) = &mut copy {
+            copy.step().unwrap();
+            assert_eq!(one.hash(), copy.hash(), "clone, step {i}");
+        }
+    }
+    assert!(one.joints().any(|j| one.joint(j).unwrap().is_broken()));
+}
+
+#[test]
+fn bad_joints_are_refused_by_name() {
+    let mut w = world();
+    let a = anchor(&mut w);
+    let b = ball(&mut w, [0.0; 3], 0.1, 1.0);
+    let gone = ball(&mut w, [1.0; 3], 0.1, 1.0);
+    w.remove_body(gone).unwrap();
+    let nan = f32::NAN;
+    let bad = [
+        JointDesc::ball(a, a, [0.0; 3]),
+        JointDesc::ball(a, gone, [0.0; 3]),
+        JointDesc::ball(a, b, [f64::NAN, 0.0, 0.0]),
+        JointDesc::hinge(a, b, [0.0; 3], Vec3::ZERO),
+        JointDesc::hinge(a, b, [0.0; 3], Vec3::X).limited(1.0, -1.0),
+        JointDesc::hinge(a, b, [0.0; 3], Vec3::X).limited(nan, 1.0),
+        JointDesc::hinge(a, b, [0.0; 3], Vec3::X).motor(MotorDesc::velocity(nan, 1.0)),
+        JointDesc::hinge(a, b, [0.0; 3], Vec3::X).motor(MotorDesc::velocity(1.0, -1.0)),
+        JointDesc::rope(a, b, [0.0; 3], [0.0; 3], -1.0),
+        JointDesc::rope(a, b, [0.0; 3], [0.0; 3], nan),
+        JointDesc::spring(a, b, [0.0; 3], [1.0; 3], SpringDesc::newton(-1.0, 0.0)),
+        JointDesc::spring(a, b, [0.0; 3], [1.0; 3], SpringDesc::hertz(0.0, 0.0)),
+        JointDesc::ball(a, b, [0.0; 3]).cone_twist(9.0, 0.0, 0.0),
+        JointDesc::ball(a, b, [0.0; 3]).breaks_at(0.0, 1.0),
+        JointDesc::ball(a, b, [0.0; 3]).named("x".repeat(300)),
+        JointDesc::gear(JointId::from_bits(3), JointId::from_bits(4), 1.0),
+    ];
+    for d in bad {
+        let kind = d.kind.clone();
+        let error = w.add_joint(d).expect_err("accepted");
+        let text = error.to_string();
+        assert!(text.contains("joint") || text.contains("body") || text.contains("gear"), "{kind:?}: {text}");
+    }
+    assert_eq!(w.counts().joints, 0);
+    let j = w.add_joint(JointDesc::ball(a, b, [0.0; 3])).unwrap();
+    assert!(w.set_joint(j, JointKind::Fixed).is_err());
+    w.remove_body(b).unwrap();
+    assert!(w.joint(j).is_err());
+}
