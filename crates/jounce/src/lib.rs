@@ -62,6 +62,7 @@ pub use room::joints::desc::{
     AxisDesc, BallDesc, BallMotor, JointDesc, JointFrames, JointKind, JointSolver, LimitDesc, MotorDesc,
     MotorTarget, PathDesc, SpringDesc,
 };
+pub use room::joints::glue::GlueDesc;
 pub use room::joints::view::JointRef;
 pub use room::particles::desc::{
     Burst, Curve, EmitDirection, EmitterDesc, EmitterShape, Gradient, Heat, HitResponse, ParticleCollision,

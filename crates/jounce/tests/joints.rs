@@ -639,3 +639,49 @@ fn bad_joints_are_refused_by_name() {
     w.remove_body(b).unwrap();
     assert!(w.joint(j).is_err());
 }
+
+/// A wall of glued bricks stands as one block, holds a push below its mortar's strength and falls apart beyond it.
+#[test]
+fn mortar_holds_a_wall_until_it_is_hit() {
+    let build = |strength: f32| {
+        let mut w = world();
+        w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
+        let mut bricks = Vec::new();
+        for row in 0..10 {
+            for i in 0..8 {
+                let x = (f64::from(i) + 0.5 * f64::from(row % 2)) * 0.24;
+                let at = [x, 0.05 + 0.1 * f64::from(row), 0.0];
+                let shape = ShapeDesc::cuboid(Vec3::new(0.12, 0.05, 0.06)).density(1800.0);
+                bricks.push(w.add_body(BodyDesc::dynamic().at(at).shape(shape)).unwrap());
+            }
+        }
+        let joints = w.glue(&bricks, &jounce::GlueDesc::new(strength)).unwrap();
+        // 7 in each row side by side, and 15 between two rows: a brick lies on two, those at one end on one.
+        assert_eq!(joints.len(), 10 * 7 + 9 * 15);
+        (w, bricks, joints)
+    };
+    let hit = |w: &mut World| {
+        w.add_body(
+            BodyDesc::dynamic()
+                .at([0.9, 0.6, 2.0])
+                .velocity(Vec3::new(0.0, 0.0, -10.0))
+                .shape(ShapeDesc::sphere(0.15).mass(20.0)),
+        )
+        .unwrap();
+    };
+    let broken =
+        |w: &World, joints: &[JointId]| joints.iter().filter(|&&j| w.joint(j).unwrap().is_broken()).count();
+    let (mut w, bricks, joints) = build(1e5);
+    run(&mut w, 2.0);
+    assert_eq!(broken(&w, &joints), 0, "it stands");
+    assert!(bricks.iter().all(|&b| !w.body(b).unwrap().is_awake()), "and sleeps");
+    hit(&mut w);
+    run(&mut w, 2.0);
+    let gone = broken(&w, &joints);
+    assert!(gone > 20, "{gone} of {} break", joints.len());
+    // A hundredfold holds.
+    let (mut w, _, joints) = build(1e8);
+    hit(&mut w);
+    run(&mut w, 2.0);
+    assert_eq!(broken(&w, &joints), 0);
+}

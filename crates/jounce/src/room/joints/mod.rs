@@ -18,6 +18,7 @@ pub(crate) mod edit;
 pub(crate) mod extra;
 pub(crate) mod fixed;
 pub(crate) mod generic;
+pub mod glue;
 pub(crate) mod hinge;
 pub(crate) mod path;
 pub(crate) mod pulley;
