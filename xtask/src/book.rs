@@ -44,7 +44,8 @@ pub fn book() -> Outcome {
         let filled = fill(text, &mut |ask, of| match ask {
             Ask::Verify => laws(&program, of),
             Ask::Run => expectations(&program, of),
-        }).map_err(|e| format!("{name}: {e}"))?;
+        })
+        .map_err(|e| format!("{name}: {e}"))?;
         write(&root().join(FILLED).join("src").join(name), &filled)?;
     }
     copy_folder(PICTURES, &format!("{FILLED}/src/pictures"))?;
@@ -159,7 +160,9 @@ fn fill(text: &str, table: &mut dyn FnMut(Ask, &str) -> Result<String, String>) 
         match asked.and_then(|words| words.split_once(' ')) {
             Some(("verify", topic)) => filled += &table(Ask::Verify, topic)?,
             Some(("run", scene)) => filled += &table(Ask::Run, scene)?,
-            _ if asked.is_some() => return Err(format!("{line}: expected {{{{verify TOPIC}}}} or {{{{run SCENE}}}}")),
+            _ if asked.is_some() => {
+                return Err(format!("{line}: expected {{{{verify TOPIC}}}} or {{{{run SCENE}}}}"));
+            }
             _ => filled += line,
         }
         filled.push('\n');
@@ -270,9 +273,13 @@ mod tests {
     #[test]
     fn pictures_and_tables_are_found() {
         assert_eq!(links(PAGE), ["pictures/x.png", "pictures/y.svg"]);
-        let mut echo = |ask, of: &str| Ok(if matches!(ask, Ask::Run) { format!("run <{of}>") } else { format!("<{of}>") });
+        let mut echo = |ask, of: &str| {
+            Ok(if matches!(ask, Ask::Run) { format!("run <{of}>") } else { format!("<{of}>") })
+        };
         let filled = fill(PAGE, &mut echo).expect("it fills");
-        assert!(filled.contains("\n<a b>\n") && filled.contains("\nrun <s.json>\n") && !filled.contains("{{"));
+        assert!(
+            filled.contains("\n<a b>\n") && filled.contains("\nrun <s.json>\n") && !filled.contains("{{")
+        );
         assert!(fill(PAGE, &mut |_, _| Err("no rows".into())).is_err());
         assert!(fill("{{plot a}}", &mut echo).is_err());
     }

@@ -78,6 +78,8 @@ const FINE_PIXELS_MAX: u32 = 4_000_000;
 
 /// Diagrams of this size and above have lengths of their own; in smaller ones all shrinks with them.
 const FULL_PX: [f64; 2] = [800.0, 450.0];
+/// Diagrams smaller than this part of that need the room of the title for the curves.
+const TITLE_PART_MIN: f64 = 0.5;
 /// Smaller letters cannot be read.
 const FONT_MIN_PX: f64 = 10.0;
 
@@ -213,9 +215,9 @@ impl Plot {
         let font = |size: f64| ("sans-serif", m.font(size)).into_font().color(&INK);
         let x_digits = decimals(&x);
         let mut builder = ChartBuilder::on(area);
-        builder.margin(m.px(14.0)).margin_right(m.px(26.0));
-        builder.x_label_area_size(m.words(46.0, 30.0)).y_label_area_size(m.words(78.0, 50.0));
-        if !self.title.is_empty() {
+        builder.margin(m.px(14.0)).margin_right(m.px(26.0)).margin_left(m.words(14.0, 12.0));
+        builder.x_label_area_size(m.words(46.0, 28.0)).y_label_area_size(m.words(78.0, 46.0));
+        if !self.title.is_empty() && m.part >= TITLE_PART_MIN {
             builder.caption(&self.title, font(20.0));
         }
         let mut chart = builder.build_cartesian_2d(x, y).map_err(fail)?;
@@ -462,7 +464,8 @@ mod tests {
         assert!(dark > 200, "{dark}");
         // Letters of 10 pixels, where full size has 14 and more.
         let svg = small.svg().expect("plot");
-        let sizes = svg.split("font-size=\"").skip(1).filter_map(|s| s.split('"').next()?.parse::<f64>().ok());
+        let sizes =
+            svg.split("font-size=\"").skip(1).filter_map(|s| s.split('"').next()?.parse::<f64>().ok());
         let sizes: Vec<f64> = sizes.collect();
         assert!(!sizes.is_empty() && sizes.iter().all(|s| (7.0..12.0).contains(s)), "{sizes:?}");
     }

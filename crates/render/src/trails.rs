@@ -5,7 +5,7 @@ use jounce::math::DVec3;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Most points of one trail.
-const POINTS_MAX: usize = 400;
+const POINTS_MAX: usize = 1600;
 /// Opacity of the young end.
 const OPACITY: f32 = 0.9;
 /// What is left of opacity and width at the old end of a trail that lasts.
