@@ -284,6 +284,33 @@ mod tests {
         assert!(fill("{{plot a}}", &mut echo).is_err());
     }
 
+    /// What stands in backquotes in a cell of a table.
+    fn quoted(cell: &str) -> impl Iterator<Item = &str> {
+        cell.split('`').skip(1).step_by(2)
+    }
+
+    #[test]
+    fn the_list_of_slides_names_scenes_and_pages_that_are_there() {
+        let text = std::fs::read_to_string(root().join(SOURCE).join("slides.md")).expect("the list");
+        let mut slides = 0;
+        for line in text.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| slide")) {
+            let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+            let page =
+                |link: &str| link.split(')').next().map(|name| root().join(SOURCE).join(name).exists());
+            let links = line.split("](").skip(1).filter_map(page);
+            assert!(links.into_iter().all(|there| there), "{line}");
+            let [.., scenes, _] = cells[..] else { continue };
+            let scenes = if cells.len() == 6 { scenes } else { cells[1] };
+            for name in quoted(scenes) {
+                let path =
+                    if name.contains('/') { name.into() } else { format!("scenes/course/{name}.json") };
+                assert!(root().join(&path).exists(), "{path}: {line}");
+            }
+            slides += usize::from(cells.len() == 6);
+        }
+        assert!(slides >= 49, "{slides} slides");
+    }
+
     #[test]
     fn numbers_are_short() {
         let short = |x| shown(Some(x));

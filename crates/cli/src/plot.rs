@@ -62,7 +62,7 @@ fn unit(probe: &ProbeSpec) -> &'static str {
     let what = probe.value.as_deref().or(probe.world.as_deref()).unwrap_or("");
     let group = what.split('.').next().unwrap_or("");
     match group {
-        "position" | "center" | "height" | "distance" => "m",
+        "position" | "center" | "height" | "distance" | "radius" | "lowest" | "highest" => "m",
         "velocity" | "speed" => "m/s",
         "angular_velocity" | "angular_speed" => "rad/s",
         "momentum" => "kg m/s",

@@ -239,6 +239,11 @@ impl Plot {
             .draw()
             .map_err(fail)?;
         self.curves(&mut chart, m)?;
+        let named = self.series.iter().filter(|s| !s.name.is_empty()).count();
+        if named == 1 && m.part < TITLE_PART_MIN && self.y_label.contains(&self.series[0].name) {
+            // The axis says it.
+            return Ok(());
+        }
         chart
             .configure_series_labels()
             .position(corner)
@@ -351,7 +356,7 @@ impl Measure {
     }
     /// Of marks along an axis.
     fn count(self, full: usize) -> usize {
-        ((full as f64 * self.part).round() as usize).max(4.min(full))
+        ((full as f64 * self.part).round() as usize).max(5.min(full))
     }
 }
 
