@@ -2,9 +2,10 @@
 //!
 //! A chapter is Markdown under `docs/book/src`. Its ```sh blocks hold the commands that made its pictures; each line that
 //! begins with `cargo run --release -- ` or `jounce ` is run from the root. A line `{{verify TOPIC}}` becomes the table of
-//! that topic's laws, as they come out now. Nothing generated is committed.
+//! that topic's laws, and `{{run SCENE}}` that of the scene's expectations, as they come out now. Nothing generated is
+//! committed.
 
-use crate::program::{build, last_line, start};
+use crate::program::{build, last_line, run_scene, start};
 use crate::{Note, Outcome, cargo, root, run};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -40,7 +41,11 @@ pub fn book() -> Outcome {
             }
             pictures += 1;
         }
-        let filled = fill(text, &mut |topic| table(&program, topic)).map_err(|e| format!("{name}: {e}"))?;
+        let filled = fill(text, &mut |ask, of| match ask {
+            Ask::Verify => laws(&program, of),
+            Ask::Run => expectations(&program, of),
+        })
+        .map_err(|e| format!("{name}: {e}"))?;
         write(&root().join(FILLED).join("src").join(name), &filled)?;
     }
     copy_folder(PICTURES, &format!("{FILLED}/src/pictures"))?;
@@ -140,21 +145,56 @@ fn links(text: &str) -> Vec<&str> {
     .collect()
 }
 
-/// The text with its `{{verify TOPIC}}` lines replaced.
-fn fill(text: &str, table: &mut dyn FnMut(&str) -> Result<String, String>) -> Result<String, String> {
+/// What a table is made of.
+#[derive(Clone, Copy)]
+enum Ask {
+    Verify,
+    Run,
+}
+
+/// The text with its `{{verify TOPIC}}` and `{{run SCENE}}` lines replaced.
+fn fill(text: &str, table: &mut dyn FnMut(Ask, &str) -> Result<String, String>) -> Result<String, String> {
     let mut filled = String::new();
     for line in text.lines() {
-        match line.strip_prefix("{{verify ").and_then(|rest| rest.strip_suffix("}}")) {
-            Some(topic) => filled += &table(topic)?,
-            None => filled += line,
+        let asked = line.strip_prefix("{{").and_then(|rest| rest.strip_suffix("}}"));
+        match asked.and_then(|words| words.split_once(' ')) {
+            Some(("verify", topic)) => filled += &table(Ask::Verify, topic)?,
+            Some(("run", scene)) => filled += &table(Ask::Run, scene)?,
+            _ if asked.is_some() => {
+                return Err(format!("{line}: expected {{{{verify TOPIC}}}} or {{{{run SCENE}}}}"));
+            }
+            _ => filled += line,
         }
         filled.push('\n');
     }
     Ok(filled)
 }
 
+/// The expectations of a scene as a Markdown table.
+fn expectations(program: &Path, scene: &str) -> Result<String, String> {
+    let (value, _) = run_scene(program, scene, "1")?;
+    let rows = value["expectations"].as_array().map(Vec::as_slice).unwrap_or_default();
+    if rows.is_empty() {
+        return Err(format!("{scene}: expects nothing"));
+    }
+    let mut text = format!(
+        "`jounce run {scene}`:\n\n| expectation | at | expected | got | tolerance | holds |\n|---|---:|---:|---:|---:|---|\n"
+    );
+    for row in rows {
+        let name = row["name"].as_str().unwrap_or("").replace('|', "\\|");
+        // A number with its tolerance, or a range in words that has none.
+        let range = row["expected"].as_str();
+        let expected = range.map_or_else(|| shown(row["expected"].as_f64()), Into::into);
+        let tolerance = if range.is_some() { "–".into() } else { shown(row["tolerance"].as_f64()) };
+        let (at, got) = (shown(row["at"].as_f64()), shown(row["got"].as_f64()));
+        let holds = if row["pass"] == true { "yes" } else { "**no**" };
+        text += &format!("| {name} | {at} s | {expected} | {got} | {tolerance} | {holds} |\n");
+    }
+    Ok(text)
+}
+
 /// The laws of one topic as a Markdown table. A law that misses is shown as missing.
-fn table(program: &Path, topic: &str) -> Result<String, String> {
+fn laws(program: &Path, topic: &str) -> Result<String, String> {
     let (output, _) = start(program, &["verify", topic, "--json"])?;
     let value: Value =
         serde_json::from_slice(&output.stdout).map_err(|e| format!("verify {topic}: no JSON: {e}"))?;
@@ -222,7 +262,7 @@ mod tests {
     use super::*;
 
     const PAGE: &str = "# A\n\n```sh\ncargo run --release -- render a.json -o x.png\nls\njounce solve projectile # why\n```\n\n\
-        ```rust\njounce no\n```\n![a](pictures/x.png) and [b](pictures/y.svg)\n\n{{verify a b}}\n";
+        ```rust\njounce no\n```\n![a](pictures/x.png) and [b](pictures/y.svg)\n\n{{verify a b}}\n{{run s.json}}\n";
 
     #[test]
     fn only_lines_of_shell_blocks_are_commands() {
@@ -233,9 +273,42 @@ mod tests {
     #[test]
     fn pictures_and_tables_are_found() {
         assert_eq!(links(PAGE), ["pictures/x.png", "pictures/y.svg"]);
-        let filled = fill(PAGE, &mut |topic| Ok(format!("<{topic}>"))).expect("it fills");
-        assert!(filled.contains("\n<a b>\n") && !filled.contains("{{"));
-        assert!(fill(PAGE, &mut |_| Err("no rows".into())).is_err());
+        let mut echo = |ask, of: &str| {
+            Ok(if matches!(ask, Ask::Run) { format!("run <{of}>") } else { format!("<{of}>") })
+        };
+        let filled = fill(PAGE, &mut echo).expect("it fills");
+        assert!(
+            filled.contains("\n<a b>\n") && filled.contains("\nrun <s.json>\n") && !filled.contains("{{")
+        );
+        assert!(fill(PAGE, &mut |_, _| Err("no rows".into())).is_err());
+        assert!(fill("{{plot a}}", &mut echo).is_err());
+    }
+
+    /// What stands in backquotes in a cell of a table.
+    fn quoted(cell: &str) -> impl Iterator<Item = &str> {
+        cell.split('`').skip(1).step_by(2)
+    }
+
+    #[test]
+    fn the_list_of_slides_names_scenes_and_pages_that_are_there() {
+        let text = std::fs::read_to_string(root().join(SOURCE).join("slides.md")).expect("the list");
+        let mut slides = 0;
+        for line in text.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| slide")) {
+            let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+            let page =
+                |link: &str| link.split(')').next().map(|name| root().join(SOURCE).join(name).exists());
+            let links = line.split("](").skip(1).filter_map(page);
+            assert!(links.into_iter().all(|there| there), "{line}");
+            let [.., scenes, _] = cells[..] else { continue };
+            let scenes = if cells.len() == 6 { scenes } else { cells[1] };
+            for name in quoted(scenes) {
+                let path =
+                    if name.contains('/') { name.into() } else { format!("scenes/course/{name}.json") };
+                assert!(root().join(&path).exists(), "{path}: {line}");
+            }
+            slides += usize::from(cells.len() == 6);
+        }
+        assert!(slides >= 49, "{slides} slides");
     }
 
     #[test]

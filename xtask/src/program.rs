@@ -250,7 +250,9 @@ fn compare(rows: &[Value], known: &BTreeSet<String>, removed: &BTreeSet<String>)
     let mut seen = BTreeSet::new();
     for row in rows {
         let name = row["name"].as_str().unwrap_or("");
-        seen.insert(name.to_string());
+        if !seen.insert(name.to_string()) {
+            wrong.push(format!("{name}: two rows of that name"));
+        }
         match (row["pass"] == true, known.contains(name)) {
             (false, false) => wrong.push(format!(
                 "{name}: expected {}, got {}, tolerance {}",
@@ -279,6 +281,8 @@ mod tests {
         assert_eq!(compare(&rows, &names("a\nb"), &none).len(), 1, "a listed row that passes");
         assert_eq!(compare(&rows, &names("b\nc"), &none).len(), 1, "a listed row that is not there");
         assert_eq!(compare(&rows, &names("b"), &names("b")).len(), 1, "an entry that came back");
+        let twice = [json!({"name": "a", "pass": true}), json!({"name": "a", "pass": true})];
+        assert_eq!(compare(&twice, &none, &none).len(), 1, "two rows of one name");
     }
 
     #[test]

@@ -62,7 +62,7 @@ fn unit(probe: &ProbeSpec) -> &'static str {
     let what = probe.value.as_deref().or(probe.world.as_deref()).unwrap_or("");
     let group = what.split('.').next().unwrap_or("");
     match group {
-        "position" | "center" | "height" | "distance" => "m",
+        "position" | "center" | "height" | "distance" | "radius" | "lowest" | "highest" => "m",
         "velocity" | "speed" => "m/s",
         "angular_velocity" | "angular_speed" => "rad/s",
         "momentum" => "kg m/s",
@@ -77,6 +77,8 @@ fn unit(probe: &ProbeSpec) -> &'static str {
 
 /// Most expectations of a scene that stand in the legend.
 const NAMED_DOTS_MAX: usize = 4;
+/// Lower diagrams have no room for their names.
+const NAMED_DOTS_HEIGHT: u32 = 300;
 
 /// What is drawn of the scenes so far.
 struct Curves {
@@ -119,8 +121,8 @@ impl Curves {
             for e in expected.iter().filter(|e| &e.probe == probe && e.pass.is_some()) {
                 let Expected::Value(v) = e.expected else { continue };
                 // Many names would hide the curves.
-                let name =
-                    if dots < NAMED_DOTS_MAX { format!("{of}expected: {}", e.name) } else { String::new() };
+                let named = dots < NAMED_DOTS_MAX && a.size.1 >= NAMED_DOTS_HEIGHT;
+                let name = if named { format!("{of}expected: {}", e.name) } else { String::new() };
                 dots += 1;
                 self.series.push(Series { name, points: vec![[e.at, v]], style: Style::Dots, color });
             }

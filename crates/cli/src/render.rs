@@ -119,16 +119,30 @@ pub struct Painter<'a> {
     pub contacts: bool,
 }
 
-/// A particle as it is drawn: what is brighter than white glows, what is large and let light through is soft.
-fn grain(p: &ParticleView) -> Ball {
+/// Time for which a picture's shutter is open, s.
+const SHUTTER_S: f32 = 1.0 / 60.0;
+/// Particles above this radius, m, are puffs.
+const GRAIN_RADIUS_MAX: f32 = 0.02;
+
+/// Draws a particle: what is brighter than white glows, what is large is a soft puff, what is small and fast a streak.
+fn add_particle(p: &ParticleView, extras: &mut Extras) {
     let [r, g, b, opacity] = p.color;
     let bright = [r, g, b].into_iter().fold(0.0f32, |m, c| if c > m { c } else { m });
     let scale = if bright > 1.0 { 1.0 / bright } else { 1.0 };
     let glow = ((bright - 1.0) / 3.0).clamp(0.0, 1.0);
-    let ball = Ball::new(p.position, p.drawn_radius, [r, g, b].map(|c| encoded(c * scale)))
-        .opacity(opacity.clamp(0.0, 1.0))
-        .glow(glow);
-    if p.drawn_radius > 0.02 { ball.soft() } else { ball }
+    let color = [r, g, b].map(|c| encoded(c * scale));
+    let opacity = opacity.clamp(0.0, 1.0);
+    // Not farther back than its birth.
+    let way = p.velocity * SHUTTER_S.min(p.age);
+    let ball = Ball::new(p.position, p.drawn_radius, color).opacity(opacity).glow(glow);
+    if p.drawn_radius > GRAIN_RADIUS_MAX {
+        extras.balls.push(ball.soft());
+    } else if way.length() > 4.0 * p.drawn_radius {
+        let from = p.position - way.as_dvec3();
+        extras.rods.push(Rod::new(from, p.position, p.drawn_radius, color).opacity(opacity).glow(glow));
+    } else {
+        extras.balls.push(ball);
+    }
 }
 
 /// Linear light as sRGB.
@@ -233,7 +247,7 @@ impl<'a> Painter<'a> {
         for (trails, _) in &self.tails {
             trails.add_to(simulation.world().time(), &mut extras);
         }
-        extras.balls.extend(simulation.world().particles().map(|p| grain(&p)));
+        simulation.world().particles().for_each(|p| add_particle(&p, &mut extras));
         simulation.systems().iter().for_each(|s| add_system(s, &mut extras));
         extras
     }

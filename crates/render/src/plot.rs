@@ -3,6 +3,7 @@
 use crate::error::{RenderError, Result, encode};
 use crate::image::Image;
 use crate::text;
+use jounce::math::scalar::f64s;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
@@ -74,6 +75,13 @@ const COLORS: [u32; 8] = [0x0072B2, 0xD55E00, 0x009E73, 0xCC79A7, 0x56B4E9, 0xE6
 
 /// Pictures of more pixels are drawn without smoothing.
 const FINE_PIXELS_MAX: u32 = 4_000_000;
+
+/// Diagrams of this size and above have lengths of their own; in smaller ones all shrinks with them.
+const FULL_PX: [f64; 2] = [800.0, 450.0];
+/// Diagrams smaller than this part of that need the room of the title for the curves.
+const TITLE_PART_MIN: f64 = 0.5;
+/// Smaller letters cannot be read.
+const FONT_MIN_PX: f64 = 10.0;
 
 const INK: RGBColor = RGBColor(40, 48, 60);
 
@@ -165,6 +173,12 @@ impl Plot {
         Ok(lo - pad..hi + pad)
     }
 
+    /// Lengths for the size of the diagram.
+    fn measure(&self, s: u32) -> Measure {
+        let sides = [f64::from(self.width) / FULL_PX[0], f64::from(self.height) / FULL_PX[1]];
+        Measure { part: f64s::clamp(f64s::min(sides[0], sides[1]), 0.3, 1.0), s: f64::from(s) }
+    }
+
     /// Draws with every length multiplied by `s`.
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, s: u32) -> Result<()> {
         use_font()?;
@@ -197,38 +211,45 @@ impl Plot {
         Y::CoordDescType: ValueFormatter<f64>,
     {
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
-        let font = |size: u32| ("sans-serif", size * s).into_font().color(&INK);
+        let m = self.measure(s);
+        let font = |size: f64| ("sans-serif", m.font(size)).into_font().color(&INK);
         let x_digits = decimals(&x);
         let mut builder = ChartBuilder::on(area);
-        builder.margin(14 * s).margin_right(26 * s).x_label_area_size(46 * s).y_label_area_size(78 * s);
-        if !self.title.is_empty() {
-            builder.caption(&self.title, font(20));
+        builder.margin(m.px(14.0)).margin_right(m.px(26.0)).margin_left(m.words(14.0, 12.0));
+        builder.x_label_area_size(m.words(46.0, 28.0)).y_label_area_size(m.words(78.0, 46.0));
+        if !self.title.is_empty() && m.part >= TITLE_PART_MIN {
+            builder.caption(&self.title, font(20.0));
         }
         let mut chart = builder.build_cartesian_2d(x, y).map_err(fail)?;
         chart
             .configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
-            .x_labels(10)
-            .y_labels(8)
+            .x_labels(m.count(10))
+            .y_labels(m.count(8))
             .x_label_formatter(&|v| number(*v, x_digits))
             .y_label_formatter(y_label)
-            .label_style(font(14))
-            .axis_desc_style(font(15))
-            .set_all_tick_mark_size(5 * s)
+            .label_style(font(14.0))
+            .axis_desc_style(font(15.0))
+            .set_all_tick_mark_size(m.px(5.0))
             .axis_style(ShapeStyle::from(&RGBColor(120, 128, 140)).stroke_width(s))
             .bold_line_style(RGBColor(222, 226, 232).stroke_width(s))
             .light_line_style(RGBColor(243, 245, 248).stroke_width(s))
-            .max_light_lines(4)
+            .max_light_lines(m.count(4).max(2))
             .draw()
             .map_err(fail)?;
-        self.curves(&mut chart, s)?;
+        self.curves(&mut chart, m)?;
+        let named = self.series.iter().filter(|s| !s.name.is_empty()).count();
+        if named == 1 && m.part < TITLE_PART_MIN && self.y_label.contains(&self.series[0].name) {
+            // The axis says it.
+            return Ok(());
+        }
         chart
             .configure_series_labels()
             .position(corner)
-            .margin(10 * s)
-            .legend_area_size(32 * s)
-            .label_font(font(15))
+            .margin(m.px(10.0))
+            .legend_area_size(m.px(32.0))
+            .label_font(font(15.0))
             .background_style(WHITE.mix(0.88))
             .border_style(RGBColor(205, 210, 218).stroke_width(s))
             .draw()
@@ -238,21 +259,21 @@ impl Plot {
     fn curves<'a, B: DrawingBackend + 'a, Y: Ranged<ValueType = f64>>(
         &self,
         chart: &mut ChartContext<'a, B, Cartesian2d<RangedCoordf64, Y>>,
-        s: u32,
+        m: Measure,
     ) -> Result<()> {
         let fail = |e: DrawingAreaErrorKind<B::ErrorType>| encode("plot", e);
-        let px = s as i32;
+        let px = move |length: f64| m.px(length) as i32;
         for (i, series) in self.series.iter().enumerate() {
             let c = color(series.color.unwrap_or(i));
-            let line = c.stroke_width(2 * s);
+            let line = c.stroke_width(m.line());
             let (dots, dashed) = (series.style == Style::Dots, series.style == Style::Dashed);
             let mut named = series.name.is_empty();
             for run in self.runs(&series.points) {
                 let points = run.iter().map(|p| (p[0], p[1]));
                 let drawn = if dots {
-                    chart.draw_series(points.map(|p| Circle::new(p, 3 * s, c.filled())))
+                    chart.draw_series(points.map(|p| Circle::new(p, m.dot(), c.filled())))
                 } else if dashed {
-                    chart.draw_series(DashedLineSeries::new(points, 7 * s, 5 * s, line))
+                    chart.draw_series(DashedLineSeries::new(points, m.px(7.0), m.px(5.0), line))
                 } else {
                     chart.draw_series(LineSeries::new(points, line))
                 };
@@ -262,11 +283,11 @@ impl Plot {
                 }
                 let drawn = drawn.label(&series.name);
                 if dots {
-                    drawn.legend(move |(x, y)| Circle::new((x + 12 * px, y), 3 * s, c.filled()));
+                    drawn.legend(move |(x, y)| Circle::new((x + px(12.0), y), m.dot(), c.filled()));
                 } else {
-                    let (end, second) = if dashed { (9 * px, 15 * px) } else { (24 * px, 0) };
+                    let (end, second) = if dashed { (px(9.0), px(15.0)) } else { (px(24.0), 0) };
                     drawn.legend(move |(x, y)| {
-                        let parts = [[(x, y), (x + end, y)], [(x + second, y), (x + 24 * px, y)]];
+                        let parts = [[(x, y), (x + end, y)], [(x + second, y), (x + px(24.0), y)]];
                         let element = EmptyElement::at((0, 0));
                         element + PathElement::new(parts[0], line) + PathElement::new(parts[1], line)
                     });
@@ -303,6 +324,39 @@ impl Plot {
         .into_iter()
         .nth(least)
         .unwrap_or(SeriesLabelPosition::UpperRight)
+    }
+}
+
+/// Lengths on a diagram, multiplied for a drawing that is averaged later.
+#[derive(Clone, Copy)]
+struct Measure {
+    /// Of the lengths of a full diagram.
+    part: f64,
+    s: f64,
+}
+
+impl Measure {
+    fn px(self, full: f64) -> u32 {
+        f64s::max((full * self.part * self.s).round(), 1.0) as u32
+    }
+    /// Height of letters.
+    fn font(self, full: f64) -> u32 {
+        (f64s::max(full * self.part, FONT_MIN_PX) * self.s).round() as u32
+    }
+    /// Room for words, which do not shrink below `least`.
+    fn words(self, full: f64, least: f64) -> u32 {
+        (f64s::max(full * self.part, least) * self.s).round() as u32
+    }
+    /// Thickness of a curve: thinner in a small diagram, but never a hair.
+    fn line(self) -> u32 {
+        ((1.0 + self.part) * self.s).round() as u32
+    }
+    fn dot(self) -> u32 {
+        ((1.5 + 1.5 * self.part) * self.s).round() as u32
+    }
+    /// Of marks along an axis.
+    fn count(self, full: usize) -> usize {
+        ((full as f64 * self.part).round() as usize).max(5.min(full))
     }
 }
 
@@ -405,6 +459,20 @@ mod tests {
         assert!(count([0x00, 0x72, 0xB2]) > 500);
         assert!(count([0xD5, 0x5E, 0x00]) > 300);
         assert!(count([40, 48, 60]) > 300, "text");
+    }
+
+    #[test]
+    fn small_diagrams_keep_their_letters() {
+        let small = Plot { width: 320, height: 180, ..falling() };
+        let image = small.image().expect("plot");
+        let dark = image.pixels().iter().filter(|p| p.iter().all(|&c| c < 110)).count();
+        assert!(dark > 80, "{dark}");
+        // Letters of 10 pixels, where full size has 14 and more.
+        let svg = small.svg().expect("plot");
+        let sizes =
+            svg.split("font-size=\"").skip(1).filter_map(|s| s.split('"').next()?.parse::<f64>().ok());
+        let sizes: Vec<f64> = sizes.collect();
+        assert!(!sizes.is_empty() && sizes.iter().all(|s| (7.0..12.0).contains(s)), "{sizes:?}");
     }
 
     #[test]

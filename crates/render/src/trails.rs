@@ -5,7 +5,7 @@ use jounce::math::DVec3;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Most points of one trail.
-const POINTS_MAX: usize = 400;
+const POINTS_MAX: usize = 1600;
 /// Opacity of the young end.
 const OPACITY: f32 = 0.9;
 /// What is left of opacity and width at the old end of a trail that lasts.
@@ -138,10 +138,10 @@ mod tests {
         for seconds in [Some(1.5), None] {
             let mut trails = Trails::new(seconds, 0.1);
             for step in 0..50_000_u32 {
-                let t = f64::from(step) / 240.0;
+                let t = f64::from(step) / 1000.0;
                 trails.record(1, t, [20.0 * t, 0.0, 0.0], [1.0, 0.0, 0.0]);
             }
-            let now = 49_999.0 / 240.0;
+            let now = 49.999;
             let r = rods(&trails, now);
             assert!(r.len() > POINTS_MAX / 3 && r.len() <= POINTS_MAX + 1, "{}", r.len());
             let last = r.last().expect("some");

@@ -51,6 +51,10 @@ fn entry(e: &EmitterSpec, library: &mut Library, names: &Names) -> Checked<Emitt
         return Err(Wrong::new(message, format!("one, such as {}[0]", b.name)).key("body"));
     }
     for d in &mut descs {
+        if e.preset.is_some() {
+            // The parts of an effect keep their order.
+            d.delay_s += e.delay_s.unwrap_or(0.0);
+        }
         if let Some(c) = &e.collision {
             d.collision = Some(collision(c));
         }
@@ -63,19 +67,31 @@ fn entry(e: &EmitterSpec, library: &mut Library, names: &Names) -> Checked<Emitt
 fn preset(p: PresetSpec, e: &EmitterSpec) -> Checked<Vec<EmitterDesc>> {
     let others = [
         ("shape", e.shape.is_some()),
+        ("rotation_deg", e.rotation_deg.is_some()),
+        ("direction", e.direction.is_some()),
+        ("outward", e.outward.is_some()),
+        ("spread_deg", e.spread_deg.is_some()),
+        ("speed", e.speed.is_some()),
         ("rate", e.rate.is_some()),
         ("bursts", !e.bursts.is_empty()),
-        ("speed", e.speed.is_some()),
+        ("duration_s", e.duration_s.is_some()),
+        ("looping", e.looping.is_some()),
         ("lifetime_s", e.lifetime_s.is_some()),
         ("mass", e.mass.is_some()),
         ("radius", e.radius.is_some()),
-        ("color_over_life", e.color_over_life.is_some()),
         ("size_over_life", e.size_over_life.is_some()),
+        ("color_over_life", e.color_over_life.is_some()),
+        ("gravity_scale", e.gravity_scale.is_some()),
+        ("linear_drag", e.linear_drag.is_some()),
+        ("drag_coefficient", e.drag_coefficient.is_some()),
         ("turbulence", e.turbulence.is_some()),
         ("heat", e.heat.is_some()),
+        ("kill_below", e.kill_below.is_some()),
+        ("layers", e.layers.is_some()),
+        ("max_particles", e.max_particles.is_some()),
     ];
     if let Some((key, _)) = others.iter().find(|(_, given)| *given) {
-        let expected = "position, scale, seed, collision and enabled beside `preset`";
+        let expected = "name, body, position, scale, seed, delay_s, collision and enabled beside `preset`";
         return Err(Wrong::new("is given beside `preset`", expected).key(key));
     }
     let scale = e.scale.unwrap_or(1.0);

@@ -32,6 +32,7 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
     ("bad_substeps", 6, "step.substeps", "is 0; expected 1 to 64"),
     ("fractional_substeps", 6, "step.substeps", "expected a whole number"),
     ("missing_mesh_file", 6, "meshes.rock.file", "there is no such file"),
+    ("preset_with_direction", 6, "emitters[0].direction", "is given beside `preset`"),
     ("unknown_mesh", 6, "bodies[0].shapes[0].mesh.mesh", "there is no mesh \"level\""),
     (
         "dynamic_half_space",

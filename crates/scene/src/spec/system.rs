@@ -180,7 +180,8 @@ pub struct SystemCollideSpec {
 pub struct EmitterSpec {
     /// Name for probes and the timeline.
     pub name: Option<String>,
-    /// A ready effect; beside it only `position`, `scale`, `seed`, `collision` and `enabled` are read.
+    /// A ready effect; beside it there may be `name`, `body`, `position`, `scale`, `seed`, `delay_s`, `collision` and
+    /// `enabled`.
     pub preset: Option<PresetSpec>,
     /// Size of a preset, m. Default 1.
     pub scale: Option<f32>,

@@ -10,6 +10,7 @@ mod far;
 mod fast;
 mod fields;
 mod friction;
+mod matter;
 mod momentum;
 mod motion;
 mod rolling;
@@ -36,6 +37,7 @@ pub(crate) const LAWS: &[&[Law]] = &[
     far::LAWS,
     fast::LAWS,
     seams::LAWS,
+    matter::LAWS,
     textbook::LAWS,
 ];
 

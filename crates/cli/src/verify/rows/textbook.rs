@@ -24,23 +24,26 @@ pub(crate) const LAWS: &[Law] = &[
     Law { topic: "ballistics", name: "projectile in vacuum", run: || told(vacuum()) },
     Law { topic: "ballistics", name: "aim and lead", run: || told(aimed()) },
     Law { topic: "ballistics", name: "ball in air", run: || told(ball_in_air()) },
-    Law { topic: "force laws", name: "drag and terminal speed", run: || told(drag()) },
-    Law { topic: "force laws", name: "friction, buoyancy, circle", run: || told(simple_laws()) },
-    Law { topic: "force laws", name: "gravitation of Kepler", run: || told(kepler()) },
-    Law { topic: "force laws", name: "spring between two masses", run: || told(spring()) },
-    Law { topic: "force laws", name: "bounce of a particle", run: || told(bounce()) },
+    Law { topic: "drag", name: "drag and terminal speed", run: || told(drag()) },
+    Law { topic: "friction", name: "static friction on a slope", run: || told(slope()) },
+    Law { topic: "buoyancy", name: "Archimedes", run: || told(archimedes()) },
+    Law { topic: "rotation", name: "circle", run: || told(circle()) },
+    Law { topic: "gravitation", name: "pull of two masses", run: || told(pull()) },
+    Law { topic: "gravitation", name: "gravitation of Kepler", run: || told(kepler()) },
+    Law { topic: "springs", name: "spring between two masses", run: || told(spring()) },
+    Law { topic: "collision", name: "bounce of a particle", run: || told(bounce()) },
     Law { topic: "momentum form", name: "linear momentum form", run: || told(momentum_form()) },
-    Law { topic: "momentum form", name: "angular momentum form", run: || told(angular_form()) },
-    Law { topic: "momentum form", name: "rotating frame", run: || told(rotating_frame()) },
+    Law { topic: "rigid motion", name: "angular momentum form", run: || told(angular_form()) },
+    Law { topic: "rotating frame", name: "textbook's rotating frame", run: || told(rotating_frame()) },
 ];
 
-type Found = jounce_motion::Result<Vec<Row>>;
+pub(super) type Found = jounce_motion::Result<Vec<Row>>;
 
 /// Rounding of one f64 operation, relative.
-const EPS64: f64 = 0.5 * f64::EPSILON;
+pub(super) const EPS64: f64 = 0.5 * f64::EPSILON;
 const G: DVec3 = DVec3::new(0.0, -super::G, 0.0);
 
-fn told(found: Found) -> Rows {
+pub(super) fn told(found: Found) -> Rows {
     found.map_err(|e| jounce::Error::BadValue {
         what: "textbook",
         field: "law",
@@ -424,8 +427,7 @@ fn drag() -> Found {
     Ok(rows)
 }
 
-fn simple_laws() -> Found {
-    let rounding = 8.0 * EPS64;
+fn slope() -> Found {
     let (mu, mass) = (0.6, 2.0);
     let slides = |angle: f64| {
         let load = DVec3::X * (mass * super::G * angle.sin());
@@ -436,43 +438,31 @@ fn simple_laws() -> Found {
         let mid = 0.5 * (holds + slips);
         if slides(mid) { slips = mid } else { holds = mid }
     }
+    let source = "atan μ_s; bisected";
+    Ok(vec![Row::new("textbook: slope at which it slides", mu.atan(), holds, 1e-14, "rad", source)])
+}
+
+/// Of a formula of a few operations.
+const FEW: f64 = 8.0 * EPS64;
+
+fn archimedes() -> Found {
+    let lift = force::buoyancy(1000.0, 0.5, G).y;
+    Ok(vec![Row::relative("textbook: buoyancy of half a cubic metre", 4905.0, lift, FEW, "N", "ρ_f V g")])
+}
+
+fn circle() -> Found {
     let (w, r) = (DVec3::Z * 3.0, DVec3::X * 2.0);
-    let pair = force::gravitation(force::G_LECTURE, 5.0e3, 7.0e3, DVec3::new(3.0, 4.0, 0.0), 0.0);
+    let (outwards, along) = (force::centrifugal(0.5, w, r).x, force::point_velocity(w, r).y);
     Ok(vec![
-        Row::new("textbook: slope at which it slides", mu.atan(), holds, 1e-14, "rad", "atan μ_s; bisected"),
-        Row::relative(
-            "textbook: buoyancy of half a cubic metre",
-            4905.0,
-            force::buoyancy(1000.0, 0.5, G).y,
-            rounding,
-            "N",
-            "ρ_f V g",
-        ),
-        Row::relative(
-            "textbook: centrifugal force",
-            0.5 * 9.0 * 2.0,
-            force::centrifugal(0.5, w, r).x,
-            rounding,
-            "N",
-            "m ω² r",
-        ),
-        Row::relative(
-            "textbook: velocity on a circle",
-            6.0,
-            force::point_velocity(w, r).y,
-            rounding,
-            "m/s",
-            "ω × r",
-        ),
-        Row::relative(
-            "textbook: pull of two masses",
-            6.673e-11 * 35e6 / 25.0,
-            pair.length(),
-            rounding,
-            "N",
-            "G M1 M2/d²",
-        ),
+        Row::relative("textbook: centrifugal force", 0.5 * 9.0 * 2.0, outwards, FEW, "N", "m ω² r"),
+        Row::relative("textbook: velocity on a circle", 6.0, along, FEW, "m/s", "ω × r"),
     ])
+}
+
+fn pull() -> Found {
+    let pair = force::gravitation(force::G_LECTURE, 5.0e3, 7.0e3, DVec3::new(3.0, 4.0, 0.0), 0.0);
+    let exact = 6.673e-11 * 35e6 / 25.0;
+    Ok(vec![Row::relative("textbook: pull of two masses", exact, pair.length(), FEW, "N", "G M1 M2/d²")])
 }
 
 /// A planet about a sun of G M = 1, a = 1, from the perihelion.

@@ -59,20 +59,22 @@ pub fn explosion(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
         ..once("flash")
     };
     let fire = EmitterDesc {
-        bursts: vec![Burst { time_s: 0.0, count: 400 }],
-        shape: ball(0.15 * scale),
-        speed: [0.2 * v, 3.0 * v],
-        lifetime_s: [0.4, 1.0],
-        radius: [0.06 * scale, 0.12 * scale],
-        linear_drag: 5.0,
+        bursts: vec![Burst { time_s: 0.0, count: 700 }],
+        shape: ball(0.12 * scale),
+        speed: [0.3 * v, 4.0 * v],
+        lifetime_s: [0.3, 1.1],
+        radius: [0.03 * scale, 0.08 * scale],
+        linear_drag: 6.0,
         heat: Some(Heat { excess: 900.0, ambient: 293.0, cooling_s: 0.6 }),
-        turbulence: Some(Turbulence { speed: 0.5 * v, size: 0.5 * scale, time_s: 0.4, seed }),
-        size_over_life: Curve::new([(0.0, 0.6), (0.3, 1.6), (1.0, 2.4)]),
+        turbulence: Some(Turbulence { speed: 0.4 * v, size: 0.25 * scale, time_s: 0.3, seed }),
+        size_over_life: Curve::new([(0.0, 0.5), (0.3, 1.3), (1.0, 2.4)]),
+        // It burns out to soot: below 1 nothing glows any more, and the cloud turns dark.
         color_over_life: Gradient::new([
-            (0.0, [6.0, 5.0, 2.5, 1.0]),
-            (0.3, [4.0, 1.4, 0.2, 0.9]),
-            (0.7, [0.6, 0.1, 0.02, 0.5]),
-            (1.0, [0.05, 0.05, 0.05, 0.0]),
+            (0.0, [6.0, 4.5, 2.0, 0.9]),
+            (0.2, [4.0, 1.3, 0.15, 0.6]),
+            (0.45, [1.6, 0.22, 0.02, 0.6]),
+            (0.7, [0.10, 0.05, 0.035, 0.5]),
+            (1.0, [0.04, 0.04, 0.04, 0.0]),
         ]),
         ..once("fire ball")
     };
@@ -109,9 +111,11 @@ pub fn smoke(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
         heat: Some(Heat { excess: 120.0, ambient: 293.0, cooling_s: 2.0 }),
         turbulence: Some(Turbulence { speed: 0.6 * scale, size: 0.6 * scale, time_s: 1.0, seed }),
         size_over_life: Curve::new([(0.0, 0.5), (1.0, 4.0)]),
+        // A puff that is four times as wide holds the same smoke, so that less of it stops the light.
         color_over_life: Gradient::new([
             (0.0, [0.10, 0.10, 0.11, 0.0]),
-            (0.1, [0.12, 0.12, 0.13, 0.5]),
+            (0.08, [0.12, 0.12, 0.13, 0.6]),
+            (0.5, [0.20, 0.20, 0.21, 0.3]),
             (1.0, [0.35, 0.35, 0.36, 0.0]),
         ]),
         ..base(position, seed, "smoke")
@@ -121,7 +125,7 @@ pub fn smoke(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
 /// Flames with embers and smoke above them.
 pub fn fire(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     let flames = EmitterDesc {
-        rate: 150.0,
+        rate: 200.0,
         shape: EmitterShape::Disc { radius: 0.25 * scale },
         spread: 0.2,
         speed: [0.3 * scale, 0.8 * scale],
@@ -131,17 +135,19 @@ pub fn fire(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
         linear_drag: 3.0,
         heat: Some(Heat { excess: 700.0, ambient: 293.0, cooling_s: 0.5 }),
         turbulence: Some(Turbulence { speed: 0.8 * scale, size: 0.35 * scale, time_s: 0.35, seed }),
-        size_over_life: Curve::new([(0.0, 0.6), (0.25, 1.2), (1.0, 0.15)]),
+        size_over_life: Curve::new([(0.0, 0.6), (0.25, 1.2), (1.0, 0.4)]),
+        // Light adds up where flames overlap: each is faint.
         color_over_life: Gradient::new([
-            (0.0, [0.3, 0.5, 2.0, 0.4]),
-            (0.15, [5.0, 3.2, 0.9, 0.9]),
-            (0.55, [4.0, 1.2, 0.1, 0.8]),
-            (1.0, [0.8, 0.05, 0.0, 0.0]),
+            (0.0, [0.3, 0.5, 2.0, 0.1]),
+            (0.12, [4.0, 1.7, 0.3, 0.3]),
+            (0.5, [4.0, 0.9, 0.06, 0.28]),
+            (0.8, [3.0, 0.3, 0.01, 0.12]),
+            (1.0, [2.0, 0.1, 0.0, 0.0]),
         ]),
         ..base(position, seed, "flames")
     };
     let embers = EmitterDesc {
-        rate: 8.0,
+        rate: 15.0,
         lifetime_s: [1.0, 2.5],
         radius: [0.004 * scale, 0.01 * scale],
         size_over_life: Curve::default(),
@@ -151,7 +157,7 @@ pub fn fire(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     };
     let mut out = vec![flames, embers];
     for mut s in smoke(position + DVec3::Y * f64::from(0.7 * scale), scale, seed) {
-        s.rate = 20.0;
+        s.rate = 30.0;
         out.push(s);
     }
     out
@@ -162,7 +168,7 @@ pub fn spray(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     // Thrown at 30°, a range of `scale` needs v² = g scale / sin 60°.
     let v = fall_speed(scale) * 1.075;
     vec![EmitterDesc {
-        rate: 800.0,
+        rate: 2000.0,
         pose: jounce_math::WorldPose::new(
             position,
             Quat::from_axis_angle(Vec3::Z, -core::f32::consts::FRAC_PI_3),
@@ -174,8 +180,13 @@ pub fn spray(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
         mass: 1.4e-5,
         radius: [0.001, 0.002],
         collision: Some(bounce(0.1, 0.4)),
-        size_over_life: Curve::new([(0.0, 1.0), (1.0, 0.6)]),
-        color_over_life: Gradient::new([(0.0, [0.6, 0.75, 0.9, 0.7]), (1.0, [0.7, 0.8, 0.9, 0.2])]),
+        // Each is drawn as several: nobody simulates all the drops of a jet.
+        size_over_life: Curve::new([(0.0, 3.0), (1.0, 5.0)]),
+        color_over_life: Gradient::new([
+            (0.0, [0.75, 0.88, 1.0, 0.7]),
+            (0.7, [0.85, 0.93, 1.0, 0.5]),
+            (1.0, [0.9, 0.95, 1.0, 0.0]),
+        ]),
         ..base(position, seed, "spray")
     }]
 }
@@ -184,14 +195,20 @@ pub fn spray(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
 pub fn fountain(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     let v = f32s::sqrt(2.0 * 9.81 * scale);
     vec![EmitterDesc {
-        rate: 1200.0,
+        rate: 3000.0,
         shape: EmitterShape::Cone { half_angle: 0.15, radius: 0.02 * scale },
         speed: [0.92 * v, v],
         lifetime_s: [2.4 * v / 9.81, 2.8 * v / 9.81],
         mass: 3.3e-5,
         radius: [0.002, 0.004],
         collision: Some(bounce(0.25, 0.3)),
-        color_over_life: Gradient::new([(0.0, [0.5, 0.7, 0.95, 0.8]), (1.0, [0.7, 0.85, 1.0, 0.0])]),
+        // As of a spray.
+        size_over_life: Curve::new([(0.0, 2.0), (1.0, 3.0)]),
+        color_over_life: Gradient::new([
+            (0.0, [0.7, 0.86, 1.0, 0.8]),
+            (0.8, [0.85, 0.93, 1.0, 0.6]),
+            (1.0, [0.9, 0.95, 1.0, 0.0]),
+        ]),
         ..base(position, seed, "fountain")
     }]
 }
@@ -200,7 +217,7 @@ pub fn fountain(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
 pub fn sparks(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     let v = fall_speed(scale);
     vec![EmitterDesc {
-        rate: 300.0,
+        rate: 500.0,
         spread: 0.6,
         speed: [1.0 * v, 2.5 * v],
         lifetime_s: [0.4, 1.2],
@@ -222,24 +239,25 @@ pub fn sparks(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
 /// A puff that a step or a landing raises: it spreads along the ground and settles.
 pub fn dust(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
     vec![EmitterDesc {
-        bursts: vec![Burst { time_s: 0.0, count: 150 }],
+        bursts: vec![Burst { time_s: 0.0, count: 300 }],
         auto_remove: true,
         shape: EmitterShape::Disc { radius: 0.3 * scale },
         direction: EmitDirection::Outward,
-        spread: 0.5,
-        speed: [0.2 * scale, 1.5 * scale],
+        spread: 0.8,
+        speed: [0.2 * scale, 2.0 * scale],
         lifetime_s: [1.0, 2.5],
         mass: 1e-6,
-        radius: [0.02 * scale, 0.06 * scale],
+        radius: [0.03 * scale, 0.08 * scale],
         gravity_scale: 0.02,
         linear_drag: 4.0,
         turbulence: Some(Turbulence { speed: 0.3 * scale, size: 0.4 * scale, time_s: 0.7, seed }),
         collision: Some(ParticleCollision { radius_scale: 0.2, ..bounce(0.0, 0.2) }),
         size_over_life: Curve::new([(0.0, 0.6), (1.0, 2.5)]),
         color_over_life: Gradient::new([
-            (0.0, [0.45, 0.38, 0.3, 0.0]),
-            (0.1, [0.45, 0.38, 0.3, 0.5]),
-            (1.0, [0.5, 0.45, 0.38, 0.0]),
+            (0.0, [0.50, 0.40, 0.28, 0.0]),
+            (0.08, [0.50, 0.40, 0.28, 0.5]),
+            (0.5, [0.55, 0.46, 0.34, 0.25]),
+            (1.0, [0.60, 0.52, 0.42, 0.0]),
         ]),
         ..base(position, seed, "dust")
     }]
@@ -259,6 +277,7 @@ pub fn snow(position: DVec3, scale: f32, seed: u64) -> Vec<EmitterDesc> {
         lifetime_s: [15.0, 25.0],
         mass: 3e-6,
         radius: [0.002, 0.004],
+        size_over_life: Curve::new([(0.0, 3.0)]),
         // g/k = 1 m/s.
         linear_drag: 9.81,
         turbulence: Some(Turbulence { speed: 0.5, size: 2.0, time_s: 2.0, seed }),
@@ -316,20 +335,21 @@ fn eruption(center: DVec3, radius: f32, up: Vec3, v: f32, delay_s: f64, seed: u6
         rate: 120.0,
         delay_s,
         duration_s: Some(1.5),
-        shape: EmitterShape::Disc { radius: 0.06 * radius },
+        shape: EmitterShape::Disc { radius: 0.1 * radius },
         spread: 0.5,
         // Arcs of 2 to 12 % of the radius: v²/2g.
         speed: [0.2 * v, 0.5 * v],
         lifetime_s: [0.6, 1.4],
         mass: 1e-3,
-        radius: [0.008 * radius, 0.016 * radius],
+        radius: [0.012 * radius, 0.028 * radius],
         max_particles: 512,
-        size_over_life: Curve::new([(0.0, 0.5), (0.2, 1.2), (1.0, 0.3)]),
+        size_over_life: Curve::new([(0.0, 0.5), (0.25, 1.2), (1.0, 0.5)]),
+        // Light adds up where flames overlap: each is faint.
         color_over_life: Gradient::new([
-            (0.0, [7.0, 5.0, 2.0, 1.0]),
-            (0.3, [5.0, 1.6, 0.2, 0.9]),
-            (0.8, [1.5, 0.15, 0.05, 0.5]),
-            (1.0, [0.2, 0.02, 0.05, 0.0]),
+            (0.0, [5.0, 2.6, 0.7, 0.35]),
+            (0.3, [5.0, 1.2, 0.12, 0.3]),
+            (0.8, [4.0, 0.25, 0.03, 0.2]),
+            (1.0, [2.0, 0.05, 0.02, 0.0]),
         ]),
         ..base(position, seed, "genesis")
     }
