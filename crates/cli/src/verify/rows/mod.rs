@@ -12,6 +12,7 @@ mod fields;
 mod friction;
 mod momentum;
 mod motion;
+mod particles;
 mod rolling;
 mod seams;
 mod spin;
@@ -26,6 +27,7 @@ use jounce::{Result, Settings};
 pub(crate) const LAWS: &[&[Law]] = &[
     motion::LAWS,
     fields::LAWS,
+    particles::LAWS,
     friction::LAWS,
     rolling::LAWS,
     momentum::LAWS,
@@ -191,7 +193,15 @@ mod tests {
     #[test]
     fn names_of_rows_are_unique() {
         let mut names: Vec<String> = Vec::new();
-        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, seams::LAWS, textbook::LAWS] {
+        for laws in [
+            motion::LAWS,
+            fields::LAWS,
+            particles::LAWS,
+            friction::LAWS,
+            collision::LAWS,
+            seams::LAWS,
+            textbook::LAWS,
+        ] {
             names.extend(laws.iter().flat_map(|l| (l.run)().expect(l.name)).map(|r| r.name));
         }
         let count = names.len();

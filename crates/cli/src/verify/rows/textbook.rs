@@ -28,6 +28,7 @@ pub(crate) const LAWS: &[Law] = &[
     Law { topic: "force laws", name: "friction, buoyancy, circle", run: || told(simple_laws()) },
     Law { topic: "force laws", name: "gravitation of Kepler", run: || told(kepler()) },
     Law { topic: "force laws", name: "spring between two masses", run: || told(spring()) },
+    Law { topic: "force laws", name: "ball on a string", run: || told(string()) },
     Law { topic: "force laws", name: "bounce of a particle", run: || told(bounce()) },
     Law { topic: "momentum form", name: "linear momentum form", run: || told(momentum_form()) },
     Law { topic: "momentum form", name: "angular momentum form", run: || told(angular_form()) },
@@ -145,6 +146,7 @@ fn oscillator(method: Method, steps: u32) -> jounce_motion::Result<f64> {
 fn orders() -> Found {
     let methods = [
         (Method::ExplicitEuler, 20_000),
+        (Method::LectureLoop, 20_000),
         (Method::SemiImplicitEuler, 20_000),
         (Method::ImplicitEuler, 20_000),
         (Method::Midpoint, 1000),
@@ -437,7 +439,7 @@ fn simple_laws() -> Found {
         if slides(mid) { slips = mid } else { holds = mid }
     }
     let (w, r) = (DVec3::Z * 3.0, DVec3::X * 2.0);
-    let pair = force::gravitation(force::G_LECTURE, 5.0e3, 7.0e3, DVec3::new(3.0, 4.0, 0.0), 0.0);
+    let pull = |g: f64| force::gravitation(g, 5.0e3, 7.0e3, DVec3::new(3.0, 4.0, 0.0), 0.0).length();
     Ok(vec![
         Row::new("textbook: slope at which it slides", mu.atan(), holds, 1e-14, "rad", "atan μ_s; bisected"),
         Row::relative(
@@ -467,10 +469,18 @@ fn simple_laws() -> Found {
         Row::relative(
             "textbook: pull of two masses",
             6.673e-11 * 35e6 / 25.0,
-            pair.length(),
+            pull(force::G_LECTURE),
             rounding,
             "N",
-            "G M1 M2/d²",
+            "G M1 M2/d², the lecture's G",
+        ),
+        Row::relative(
+            "textbook: pull of two masses, CODATA",
+            6.674_30e-11 * 35e6 / 25.0,
+            pull(force::G),
+            rounding,
+            "N",
+            "G M1 M2/d², CODATA 2022",
         ),
     ])
 }
@@ -580,6 +590,32 @@ fn spring() -> Found {
             "kg m/s",
             "third law",
         ),
+    ])
+}
+
+/// A ball on a string, as a stiff spring about a point that stays: it pulls with m ω² r.
+fn string() -> Found {
+    let (m, k, w, r, dt) = (0.5, 1000.0, 6.0, 1.0, 1e-4);
+    let tension = m * w * w * r;
+    let mut s = MassSpring::new(Method::VelocityVerlet);
+    let (hand, ball) = (s.add_point(m, DVec3::ZERO)?, s.add_point(m, DVec3::X * r)?);
+    s.freeze(hand)?;
+    s.add_spring_of_length([hand, ball], Elasticity { stiffness: k, damping: 0.0 }, r - tension / k)?;
+    s.set_velocity(ball, DVec3::Z * (w * r))?;
+    let turn = (TAU / w / dt).round() as u32;
+    let (mut sum, mut worst) = (0.0, 0.0f64);
+    for _ in 0..turn {
+        s.step(dt)?;
+        let pull = k * (s.positions()[ball].length() - (r - tension / k));
+        sum += pull;
+        worst = worst.max((pull - tension).abs());
+    }
+    // Verlet's circle is off by no more than (ωΔt)² of its radius, and the string's stiffness tells.
+    let off = k * r * (w * dt) * (w * dt);
+    let source = "m ω² r; a spring of 1000 N/m";
+    Ok(vec![
+        Row::new("textbook: tension of a string", tension, sum / f64::from(turn), off, "N", source),
+        Row::at_most("textbook: swing of the tension over a turn", off, worst, "N", source),
     ])
 }
 

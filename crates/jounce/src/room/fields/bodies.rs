@@ -207,7 +207,10 @@ impl Mover<'_> {
         h: f32,
     ) {
         let now = pull.gravity * gravity_scale + pull.other + attraction;
-        self.v += (now - at_start) * (scale * h);
+        // A hook that has no number any more: the next step begins with taking the body out.
+        if now.is_finite() {
+            self.v += (now - at_start) * (scale * h);
+        }
         if pull.spin != Vec3::ZERO {
             self.v = turn(pull.spin * (-2.0 * h)).rotate(self.v);
             // The spin against the stars is ω + Ω; it keeps its direction there, so ω turns back here.
