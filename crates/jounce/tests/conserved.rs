@@ -185,8 +185,8 @@ fn a_body_of_half_the_density_floats_with_half_its_volume_under() {
     }
 }
 
-/// However dense, viscous or large: in a still medium a body and a particle slow down along their line, and none turns round
-/// (but for the last bit of the speed it loses in a step); with levers and spins the energy only falls.
+/// However dense, viscous or large: in a still medium a body and a particle slow down along their line, and none turns round,
+/// to the last bit; with levers and spins the energy only falls.
 #[test]
 fn drag_never_reverses_a_velocity() {
     for seed in 0..seeds() * 5 {
@@ -227,7 +227,7 @@ fn drag_never_reverses_a_velocity() {
                 let (along, all) = (v.dot(line), v.length());
                 let what =
                     format!("seed {seed}, step {step}, {}: {v:?} of {start:?}", ["body", "particle"][i]);
-                assert!(along >= -2.0 * EPS as f32 * fast[i], "turned round: {what}");
+                assert!(along >= 0.0, "turned round: {what}");
                 assert!(all <= fast[i] * 1.000_001, "faster: {what}");
                 assert!((v - line * along).length() <= 1e-5 * speed, "off its line: {what}");
                 fast[i] = f32s::min(fast[i], all);

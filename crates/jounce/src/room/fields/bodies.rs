@@ -70,6 +70,11 @@ impl Mover<'_> {
         }
         let (b, c) = (b * f64::from(k), c * f64::from(k));
         let after = force::implicit_drag(u.as_dvec3(), DVec3::ZERO, b, c, f64::from(h)).length() as f32;
+        if spin == Vec3::ZERO {
+            // Through the centre: scaled, so that no rounding turns it round.
+            self.v = flow + u * (after / speed);
+            return;
+        }
         let j = (speed - after) / k;
         self.v -= n * (j * self.inertia.inv_mass);
         self.w -= spin * j;
