@@ -4,7 +4,7 @@ use super::desc::{AIR_DENSITY, AIR_VISCOSITY, FieldLaw};
 use super::gust;
 use super::state::{FieldRecord, FieldView, Fields};
 use crate::limits::FIELD_ACCELERATION_MAX;
-use jounce_math::{DVec3, Vec3};
+use jounce_math::{DVec3, Vec3, scalar::f64s};
 use jounce_motion::force;
 
 /// What all fields together say at one place and time.
@@ -44,11 +44,8 @@ pub(crate) struct Medium {
 /// An acceleration with components of at most [`FIELD_ACCELERATION_MAX`]: beside a mass without size a pull has no bound, and
 /// what overflows in f32 would reach the neighbours of a body through its contacts. NaN stays.
 pub(crate) fn bounded(a: DVec3) -> Vec3 {
-    let within = |x: f64| match x {
-        x if x > FIELD_ACCELERATION_MAX => FIELD_ACCELERATION_MAX,
-        x if x < -FIELD_ACCELERATION_MAX => -FIELD_ACCELERATION_MAX,
-        x => x,
-    };
+    // NaN in the second place stays.
+    let within = |x: f64| f64s::min(FIELD_ACCELERATION_MAX, f64s::max(-FIELD_ACCELERATION_MAX, x));
     DVec3::new(within(a.x), within(a.y), within(a.z)).as_vec3()
 }
 
