@@ -145,3 +145,36 @@ fn mistakes_are_told() {
         assert!(err.starts_with("error:") && err.contains(message), "{words}: {err}");
     }
 }
+
+/// Numbers that no throw has: refused with the number, whichever question they are part of.
+#[test]
+fn numbers_that_are_none_are_told() {
+    for (words, value) in [
+        ("--speed inf --range 10", "inf"),
+        ("--speed 0 --range 10", "0"),
+        ("--speed 30 --range -5", "-5"),
+        ("--speed 30 --range nan", "NaN"),
+        ("--speed 30 --apex -1", "-1"),
+        ("--speed 30 --target nan,0,0", "NaN"),
+        ("--speed 30 --target 10,inf,0", "inf"),
+        ("--speed 30 --range 5 --gravity 0", "0"),
+        ("--speed 30 --range 5 --gravity nan", "NaN"),
+        ("--speed 30 --range 5 --mass -1 --diameter 0.1 --drag 0.5", "-1"),
+        ("--speed 30 --range 5 --mass 1 --diameter nan --drag 0.5", "NaN"),
+        ("--speed 30 --range 5 --mass 1 --diameter 0.1 --drag -0.5", "-0.5"),
+        ("--speed 30 --angle inf", "inf"),
+    ] {
+        let o = solve(words);
+        let (out, err) = (text(&o.stdout), text(&o.stderr));
+        assert_eq!((o.status.code(), out.as_str()), (Some(2), ""), "{words}: {err}");
+        let told = err.to_lowercase();
+        assert!(err.starts_with("error:") && told.contains(&value.to_lowercase()), "{words}: {err}");
+        assert!(!told.contains("panicked") && told.contains("expected"), "{words}: {err}");
+    }
+    // Extreme, and still an answer: as far as the numbers go.
+    for words in ["--speed 1e-9 --range 1e9", "--speed 1e9 --range 1e-9", "--speed 1e-3 --target 1e6,1e6,1e6"]
+    {
+        let o = solve(words);
+        assert_eq!(o.status.code(), Some(0), "{words}: {}", text(&o.stderr));
+    }
+}

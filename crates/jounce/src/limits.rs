@@ -25,6 +25,8 @@ pub const MASS_MAX: f32 = 1e15;
 pub const MASS_MIN: f32 = 1e-12;
 /// Largest force (N), torque (N m) or impulse component.
 pub const FORCE_MAX: f32 = 1e25;
+/// Largest component of what a field accelerates by, m/s²: more would only meet the speed limit, and its square overflow.
+pub const FIELD_ACCELERATION_MAX: f64 = 1e7;
 /// Most substeps of a step.
 pub const SUBSTEPS_MAX: u32 = 64;
 /// Most steps of one [`crate::World::advance`].

@@ -1,5 +1,6 @@
-//! Random worlds: bodies, shapes, surfaces, edits, queries, clones. Nothing panics, nothing that can be seen is infinite or
-//! NaN, no step hangs, and the tables agree with one another.
+//! Random worlds: bodies, shapes, surfaces, edits, queries, clones; fields of every law in every second one, particles in two of
+//! four. Nothing panics, nothing that can be seen is infinite or NaN, nobody is quarantined, no step hangs, and the tables agree
+//! with one another.
 //!
 //! `JOUNCE_PROVE=1` runs 2,000 seeds, `JOUNCE_STORM_SEED=123` one.
 
@@ -17,10 +18,6 @@ const STEPS: usize = 240;
 /// Longest a step of at most 40 bodies may take, on a machine that does other things too.
 const STEP_TIME_MAX: Duration = Duration::from_secs(5);
 
-/// Worlds in which the solver drives some body out of the finite numbers and quarantine takes it out. This is a miss that is
-/// known (light bodies jammed between ones up to 1e10 times as heavy): the number may shrink and not grow.
-const QUARANTINE_PERCENT_MAX: usize = 1;
-
 /// What a world went through.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
@@ -35,8 +32,11 @@ struct Seen {
 fn run(seed: u64) -> Seen {
     let mut seen = Seen::default();
     let mut storm = Storm::new(seed);
-    if seed % 4 == 3 {
+    if seed % 4 >= 2 {
         storm = storm.with_particles(seed);
+    }
+    if seed % 2 == 1 {
+        storm = storm.with_fields(seed);
     }
     let mut twin: Option<Storm> = None;
     for step in 0..STEPS {
@@ -116,6 +116,5 @@ fn random_worlds_stay_sane() {
     let poisoned: Vec<_> = all.iter().filter(|(_, s)| s.quarantined > 0).collect();
     println!("{seeds} worlds, {mean} touching pairs on average, quarantine in {poisoned:?}");
     assert!(mean >= 10, "{mean} touching pairs on average: too quiet to find anything");
-    let percent = 100 * poisoned.len() / all.len();
-    assert!(percent <= QUARANTINE_PERCENT_MAX, "quarantine in {percent} % of the worlds: {poisoned:?}");
+    assert!(poisoned.is_empty(), "quarantine in {} worlds: {poisoned:?}", poisoned.len());
 }

@@ -96,8 +96,9 @@ impl Cloth {
         let count = count.ok_or(Error::Limit { what: "particles of a cloth", limit: POINTS_MAX })?;
         finite_vector("cloth", "origin", desc.origin)?;
         for (field, side) in [("across", desc.across), ("down", desc.down)] {
-            let usable = side.is_finite() && side.length() > 0.0;
-            check(usable, "cloth", field, side.to_array(), "a finite vector, not zero")?;
+            let length = side.length();
+            let usable = length > 0.0 && length.is_finite();
+            check(usable, "cloth", field, side.to_array(), "a vector of finite length, not zero")?;
         }
         positive("cloth", "mass", desc.mass)?;
         let mut system = MassSpring::new(desc.method);

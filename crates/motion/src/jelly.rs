@@ -104,6 +104,9 @@ impl Jelly {
         for (field, side) in [("size.x", desc.size.x), ("size.y", desc.size.y), ("size.z", desc.size.z)] {
             positive("jelly", field, side)?;
         }
+        // The longest diagonal is the rest length of a spring.
+        let size = desc.size;
+        check(size.length().is_finite(), "jelly", "size", size.to_array(), "a diagonal of finite length")?;
         positive("jelly", "mass", desc.mass)?;
         let mut system = MassSpring::new(desc.method);
         let corner = desc.center - desc.size * 0.5;

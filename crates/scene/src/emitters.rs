@@ -3,7 +3,10 @@
 use crate::bodies::{Names, Target};
 use crate::error::{Checked, Under, Wrong};
 use crate::shapes::{Library, rotation, unknown};
-use crate::spec::{EmitterShapeSpec, EmitterSpec, HitResponseSpec, ParticleCollisionSpec, PresetSpec};
+use crate::spec::{
+    BurstSpec, EmitterShapeSpec, EmitterSpec, HitResponseSpec, ParticleCollisionSpec, PresetSpec,
+};
+use jounce::limits::EMITTERS_MAX;
 use jounce::math::{DVec3, Vec3, WorldPose};
 use jounce::particles::{dust, explosion, fire, fountain, genesis, smoke, snow, sparks, spray};
 use jounce::{
@@ -20,9 +23,15 @@ pub(crate) struct Emitters {
 }
 
 pub(crate) fn emitters(all: &[EmitterSpec], library: &mut Library, names: &Names) -> Checked<Vec<Emitters>> {
-    let mut out: Vec<Emitters> = Vec::with_capacity(all.len());
+    let mut out: Vec<Emitters> = Vec::with_capacity(all.len().min(EMITTERS_MAX));
+    let mut made = 0;
     for (i, e) in all.iter().enumerate() {
         let built = entry(e, library, names).index(i).key("emitters")?;
+        made += built.descs.len();
+        if made > EMITTERS_MAX {
+            let expected = format!("at most {EMITTERS_MAX}; a preset makes several");
+            return Err(Wrong::new(format!("makes {made} emitters"), expected).index(i).key("emitters"));
+        }
         if built.name.is_some() && out.iter().any(|o| o.name == built.name) {
             let message = format!("\"{}\" is given to two emitters", built.name.as_deref().unwrap_or(""));
             return Err(Wrong::new(message, "a name of its own").key("name").index(i).key("emitters"));
@@ -59,9 +68,41 @@ fn entry(e: &EmitterSpec, library: &mut Library, names: &Names) -> Checked<Emitt
             d.collision = Some(collision(c));
         }
         d.enabled = e.enabled.unwrap_or(true);
-        d.check()?;
+        d.check().map_err(|told| placed(told, e))?;
     }
     Ok(Emitters { name: e.name.clone(), descs, body })
+}
+
+/// The engine's complaint about an emitter, at the key that holds the value.
+fn placed(told: jounce::Error, e: &EmitterSpec) -> Wrong {
+    if let jounce::Error::Unsupported { what: "emitter: turbulence without drag", .. } = told {
+        return Wrong::from(told).key("turbulence");
+    }
+    let jounce::Error::BadValue { field, value, expected, .. } = &told else { return told.into() };
+    let within = |key: &str| Wrong::new(format!("is {value}"), *expected).key(key);
+    match *field {
+        "radius of the sphere" if e.shape.as_ref().is_some_and(|s| s.sphere_surface.is_some()) => {
+            within("sphere_surface").key("shape")
+        }
+        "radius of the sphere" => within("sphere").key("shape"),
+        "radius of the disc" => within("disc").key("shape"),
+        "radius of the cone" => within("radius").key("cone").key("shape"),
+        "half of the box" => within("box").key("shape"),
+        "burst.time_s" => {
+            let early = |b: &BurstSpec| !(0.0..=1e9).contains(&b.time_s.unwrap_or(0.0));
+            let n = e.bursts.iter().position(early).unwrap_or(0);
+            within("time_s").index(n).key("bursts")
+        }
+        _ => told.into(),
+    }
+}
+
+/// An angle that the file gives in degrees, in radians.
+fn degrees(v: f32, max: f32, key: &str) -> Checked<f32> {
+    if !(0.0..=max).contains(&v) {
+        return Err(Wrong::new(format!("is {v}"), format!("0 to {max} degrees")).key(key));
+    }
+    Ok(v.to_radians())
 }
 
 fn preset(p: PresetSpec, e: &EmitterSpec) -> Checked<Vec<EmitterDesc>> {
@@ -132,7 +173,7 @@ fn described(e: &EmitterSpec, library: &mut Library) -> Checked<EmitterDesc> {
     if e.outward == Some(true) {
         d.direction = EmitDirection::Outward;
     }
-    d.spread = e.spread_deg.unwrap_or(0.0).to_radians();
+    d.spread = degrees(e.spread_deg.unwrap_or(0.0), 180.0, "spread_deg")?;
     d.speed = e.speed.unwrap_or(d.speed);
     d.rate = e.rate.unwrap_or(d.rate);
     d.bursts = e.bursts.iter().map(|b| Burst { time_s: b.time_s.unwrap_or(0.0), count: b.count }).collect();
@@ -194,7 +235,7 @@ fn shape(s: &EmitterShapeSpec, library: &mut Library) -> Checked<EmitterShape> {
     }
     if let Some(c) = s.cone {
         return Ok(EmitterShape::Cone {
-            half_angle: c.half_angle_deg.to_radians(),
+            half_angle: degrees(c.half_angle_deg, 90.0, "half_angle_deg").key("cone")?,
             radius: c.radius.unwrap_or(0.0),
         });
     }
@@ -202,7 +243,7 @@ fn shape(s: &EmitterShapeSpec, library: &mut Library) -> Checked<EmitterShape> {
         return Ok(EmitterShape::Box { half: Vec3::from_array(half) });
     }
     let name = s.mesh.as_deref().unwrap_or("");
-    library.tri_mesh(name).map(EmitterShape::Mesh).key("mesh")
+    library.tri_mesh(name).map(EmitterShape::Mesh)
 }
 
 fn collision(c: &ParticleCollisionSpec) -> ParticleCollision {

@@ -4,6 +4,7 @@ use crate::bodies::{Names, Target};
 use crate::error::{Checked, Under, Wrong};
 use crate::shapes::unknown;
 use crate::spec::{AeroSpec, ExplodeSpec, FieldRegionSpec, FieldSpec, GustSpec, PointFieldSpec, WaterSpec};
+use jounce::limits::{FIELDS_MAX, N_BODY_MAX};
 use jounce::math::{DVec3, Vec3};
 use jounce::{
     AIR_DENSITY, AIR_VISCOSITY, Aero, Explosion, FieldDesc, FieldLaw, Gust, Region, WATER_DENSITY,
@@ -21,6 +22,10 @@ pub(crate) struct Field {
 }
 
 pub(crate) fn fields(all: &[FieldSpec], names: &Names) -> Checked<Vec<Field>> {
+    if all.len() > FIELDS_MAX {
+        let expected = format!("at most {FIELDS_MAX}");
+        return Err(Wrong::new(format!("there are {}", all.len()), expected).key("fields"));
+    }
     let mut out: Vec<Field> = Vec::with_capacity(all.len());
     for (i, f) in all.iter().enumerate() {
         let built = field(f, names).index(i).key("fields")?;
@@ -69,6 +74,11 @@ fn field(f: &FieldSpec, names: &Names) -> Checked<Field> {
             for (i, name) in n.bodies.iter().enumerate() {
                 bodies.push(names.resolve(name).index(i).key("bodies").key(kind)?);
             }
+            let meant = bodies_meant(&bodies);
+            if meant > N_BODY_MAX as u64 {
+                let expected = format!("at most {N_BODY_MAX} that attract one another");
+                return Err(Wrong::new(format!("names {meant} bodies"), expected).key("bodies").key(kind));
+            }
             FieldLaw::NBody { bodies: Vec::new(), g: n.g.unwrap_or(G), softening: n.softening.unwrap_or(0.0) }
         }
         None => law(f)?,
@@ -80,14 +90,46 @@ fn field(f: &FieldSpec, names: &Names) -> Checked<Field> {
     if let Some(r) = &f.region {
         desc.region = region(r).key("region")?;
     }
-    desc.check().map_err(|e| match &e {
-        jounce::Error::BadValue { field, .. } if field.ends_with("region") || *field == "falloff" => {
-            Wrong::new(e.to_string(), "").key("region")
-        }
-        jounce::Error::BadValue { field: "name", .. } => Wrong::from(e),
-        _ => Wrong::from(e).key(kind),
-    })?;
+    desc.check().map_err(|e| placed(e, &desc.region, kind))?;
     Ok(Field { desc, bodies })
+}
+
+/// The engine's complaint about a field, at the key that holds the value.
+fn placed(e: jounce::Error, region: &Region, kind: &str) -> Wrong {
+    let jounce::Error::BadValue { field, value, expected, .. } = &e else {
+        return Wrong::from(e).key(kind);
+    };
+    let within = |key: &str| Wrong::new(format!("is {value}"), *expected).key(key);
+    let shape = if matches!(region, Region::Box { .. }) { "box" } else { "sphere" };
+    match *field {
+        "name" => Wrong::from(e),
+        "falloff" => within("falloff").key("region"),
+        "center of the region" => within("center").key(shape).key("region"),
+        "radius of the region" => within("radius").key(shape).key("region"),
+        "half of the region" => within("half").key(shape).key("region"),
+        _ => Wrong::from(e).key(kind),
+    }
+}
+
+/// Bodies that names mean together: `star[0]` beside `star` is one of them.
+fn bodies_meant(targets: &[Target]) -> u64 {
+    let mut seen: Vec<(&str, Option<usize>, u64)> =
+        targets.iter().map(|t| (t.name.as_str(), t.index, t.count)).collect();
+    // The bare name comes first of its name.
+    seen.sort_unstable();
+    seen.dedup();
+    let mut all = "";
+    let mut sum = 0u64;
+    for (name, index, count) in seen {
+        if index.is_some() && all == name {
+            continue;
+        }
+        if index.is_none() {
+            all = name;
+        }
+        sum = sum.saturating_add(count);
+    }
+    sum
 }
 
 /// A direction of any length but zero.

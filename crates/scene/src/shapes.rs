@@ -240,26 +240,25 @@ impl Library {
     }
 
     /// A named mesh.
+    /// A mesh from a file, by its name, which stands at the key `mesh`.
     pub(crate) fn tri_mesh(&mut self, name: &str) -> Checked<Arc<TriMesh>> {
-        self.mesh(&MeshSpec { mesh: Some(name.into()), ..MeshSpec::default() })
+        let loaded = self.loaded(name).key("mesh")?;
+        if let Some(mesh) = &loaded.mesh {
+            return Ok(mesh.clone());
+        }
+        let data = &loaded.data;
+        let mut mesh = TriMesh::new(&data.vertices, &data.triangles, loaded.options)?;
+        if data.groups.len() > 1 {
+            mesh = mesh.with_materials(&data.triangle_groups)?;
+        }
+        let mesh = Arc::new(mesh);
+        loaded.mesh = Some(mesh.clone());
+        Ok(mesh)
     }
 
     fn mesh(&mut self, m: &MeshSpec) -> Checked<Arc<TriMesh>> {
         match (&m.mesh, &m.vertices, &m.triangles) {
-            (Some(name), None, None) => {
-                let loaded = self.loaded(name).key("mesh").key("mesh")?;
-                if let Some(mesh) = &loaded.mesh {
-                    return Ok(mesh.clone());
-                }
-                let data = &loaded.data;
-                let mut mesh = TriMesh::new(&data.vertices, &data.triangles, loaded.options)?;
-                if data.groups.len() > 1 {
-                    mesh = mesh.with_materials(&data.triangle_groups)?;
-                }
-                let mesh = Arc::new(mesh);
-                loaded.mesh = Some(mesh.clone());
-                Ok(mesh)
-            }
+            (Some(name), None, None) => self.tri_mesh(name).key("mesh"),
             (None, Some(v), Some(t)) => {
                 let vertices: Vec<Vec3> = v.iter().map(|p| Vec3::from_array(*p)).collect();
                 let double_sided = m.double_sided.unwrap_or(false);

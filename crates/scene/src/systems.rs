@@ -7,7 +7,7 @@ use crate::bodies::color;
 use crate::error::{Checked, Under, Wrong};
 use crate::limits;
 use crate::plan::SystemValue;
-use crate::spec::{ElasticitySpec, MethodSpec, PinSpec, SystemSpec};
+use crate::spec::{ElasticitySpec, MethodSpec, PinSpec, SpringSpec, SystemSpec};
 use jounce::math::{DVec3, Vec3};
 use jounce::{QueryFilter, StateHasher, World};
 use jounce_motion::cloth::{Cloth, ClothDesc};
@@ -103,7 +103,8 @@ fn system(s: &SystemSpec, substep: f64) -> Checked<System> {
             bend: elasticity(j.bend, d.bend),
             method,
         });
-        let jelly = jelly.map_err(Wrong::from).key("jelly")?;
+        let kinds = [("structural", j.structural), ("shear", j.shear), ("bend", j.bend)];
+        let jelly = jelly.map_err(|e| placed(e, kinds)).key("jelly")?;
         (jelly.system.clone(), jelly.triangles().to_vec())
     } else {
         (points(s, method)?, Vec::new())
@@ -129,7 +130,8 @@ fn system(s: &SystemSpec, substep: f64) -> Checked<System> {
         return Err(Wrong::new(format!("is {drag}"), "0 to 1e9 N s/m").key("drag"));
     }
     if s.trail_s.is_some_and(|t| !(0.0..=1e4).contains(&t)) {
-        return Err(Wrong::new("is out of range", "0 to 10000 s").key("trail_s"));
+        let given = s.trail_s.unwrap_or_default();
+        return Err(Wrong::new(format!("is {given}"), "0 to 10000 s").key("trail_s"));
     }
     Ok(System {
         name: s.name.clone(),
@@ -146,6 +148,27 @@ fn system(s: &SystemSpec, substep: f64) -> Checked<System> {
         trail_s: s.trail_s,
         failed_at: None,
     })
+}
+
+/// The textbook's complaint about a cloth or a jelly, at the key that holds the value.
+fn placed(e: jounce_motion::Error, kinds: [(&str, Option<ElasticitySpec>); 3]) -> Wrong {
+    let jounce_motion::Error::BadValue { field, value, expected, .. } = &e else { return e.into() };
+    let within = |key: &str| Wrong::new(format!("is {value}"), *expected).key(key);
+    let bad = |e: &ElasticitySpec| match *field {
+        "stiffness" => e.stiffness < 0.0,
+        _ => e.damping.is_some_and(|d| d < 0.0),
+    };
+    match *field {
+        "stiffness" | "damping" => {
+            let kind = kinds.iter().find(|(_, e)| e.as_ref().is_some_and(bad));
+            within(field).key(kind.map_or("structural", |k| k.0))
+        }
+        "size.x" | "size.y" | "size.z" => {
+            let axis = ["size.x", "size.y", "size.z"].iter().position(|f| f == field).unwrap_or(0);
+            Wrong::new(format!("is {value}"), *expected).index(axis).key("size")
+        }
+        _ => e.into(),
+    }
 }
 
 fn elasticity(e: Option<ElasticitySpec>, otherwise: Option<Elasticity>) -> Option<Elasticity> {
@@ -168,7 +191,8 @@ fn cloth(c: &crate::spec::ClothSpec, method: Method) -> Checked<(MassSpring, Vec
         shear: elasticity(c.shear, d.shear),
         bend: elasticity(c.bend, d.bend),
         method,
-    })?;
+    })
+    .map_err(|e| placed(e, [("structural", c.structural), ("shear", c.shear), ("bend", c.bend)]))?;
     let (w, h) = (cloth.columns(), cloth.rows());
     let pinned: Vec<(usize, usize)> = match c.pin {
         None => Vec::new(),
@@ -201,9 +225,24 @@ fn points(s: &SystemSpec, method: Method) -> Checked<MassSpring> {
             Some(l) => m.add_spring_of_length(ends, e, l),
             None => m.add_spring(ends, e),
         };
-        added.map_err(|e| Wrong::from(e).index(i).key("springs"))?;
+        added.map_err(|e| joined(e, p).index(i).key("springs"))?;
     }
     Ok(m)
+}
+
+/// The textbook's complaint about a spring, at the key that holds the value.
+fn joined(e: jounce_motion::Error, p: &SpringSpec) -> Wrong {
+    match &e {
+        jounce_motion::Error::NoSuch { index, count, .. } => {
+            let end = p.ends.iter().position(|&e| e as usize == *index).unwrap_or(0);
+            let expected = format!("a number below {count}: there are so many points");
+            Wrong::new(format!("there is no point {index}"), expected).index(end).key("ends")
+        }
+        jounce_motion::Error::BadValue { field: "rest_length", value, expected, .. } => {
+            Wrong::new(format!("is {value}"), *expected).key("length")
+        }
+        _ => e.into(),
+    }
 }
 
 fn method(m: MethodSpec) -> Method {

@@ -3,6 +3,7 @@
 use super::Step;
 use crate::room::fields::bodies::{Acting, Feel, Mover, gust_can_move, view};
 use crate::room::fields::desc::FieldLaw;
+use crate::room::fields::point::bounded;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::mass;
 use crate::room::rigid::state::NONE;
@@ -24,6 +25,8 @@ pub(crate) struct FieldScratch {
     /// Who attracts: awake row (or NONE), position, mass; and what becomes of it.
     pub attractors: Vec<(u32, DVec3, f64)>,
     pub pulls: Vec<Vec3>,
+    /// Bodies for which a hook has no number: they feel nothing in this step, and the guard takes them out.
+    pub bad: Vec<u32>,
 }
 
 /// Starts a step: accelerations of fields join those of gravity and forces.
@@ -35,14 +38,14 @@ pub(crate) fn begin(world: &mut World) {
     if memory.acting.any() {
         attract(world, &mut memory);
         for row in 0..world.awake.step.len() {
-            let feel = start_body(world, &memory, row);
+            let feel = start_body(world, &mut memory, row);
             memory.feels.push(feel);
         }
     }
     world.scratch.fields = memory;
 }
 
-fn start_body(world: &mut World, memory: &FieldScratch, row: usize) -> Feel {
+fn start_body(world: &mut World, memory: &mut FieldScratch, row: usize) -> Feel {
     let step = &world.awake.step[row];
     if step.kind != BodyKind::Dynamic || step.inv_mass == 0.0 {
         return Feel::default();
@@ -55,6 +58,10 @@ fn start_body(world: &mut World, memory: &FieldScratch, row: usize) -> Feel {
     let pull = world.fields.pull(&view, layers);
     let attraction = memory.attraction.get(row).copied().unwrap_or(Vec3::ZERO);
     let at_start = pull.gravity * step.gravity_scale + pull.other + attraction;
+    if !at_start.is_finite() {
+        memory.bad.push(slot);
+        return Feel::default();
+    }
     let restless = world.fields.acting(layers).any(|f| f.is_restless() && f.desc.region.weight(center) > 0.0)
         || memory.acting.gusts
             && body
@@ -149,7 +156,7 @@ fn attract(world: &World, memory: &mut FieldScratch) {
                     sum += force::gravitation(*g, 1.0, other.2, other.1 - all[i].1, *softening);
                 }
             }
-            *pull = sum.as_vec3();
+            *pull = bounded(sum);
         });
         for (&(row, ..), &pull) in memory.attractors.iter().zip(&memory.pulls) {
             if let Some(a) = memory.attraction.get_mut(row as usize) {

@@ -8,7 +8,7 @@ use crate::world::World;
 use jounce_math::Vec3;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
-    let mut bad = Vec::new();
+    let mut bad = core::mem::take(&mut world.scratch.fields.bad);
     // A clamped speed is the limit up to rounding.
     let [linear2, angular2] = substep::speed_limits(world, step).map(|l| 0.9999 * l * l);
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
@@ -29,9 +29,12 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         }
     }
     bad.sort_unstable();
-    for slot in bad {
+    bad.dedup();
+    for &slot in &bad {
         quarantine(world, slot);
     }
+    bad.clear();
+    world.scratch.fields.bad = bad;
 }
 
 pub(crate) fn quarantine(world: &mut World, slot: u32) {

@@ -1,6 +1,7 @@
 //! What several tests share: a counter generator, random worlds, and a look at everything a world shows.
 #![allow(dead_code, reason = "every test uses a part of this")]
 
+pub mod fields;
 pub mod look;
 pub mod particles;
 pub mod rng;

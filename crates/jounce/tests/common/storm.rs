@@ -1,7 +1,7 @@
 //! Random worlds and random edits of them, a function of the seed alone.
 
-use super::particles;
 use super::rng::Rng;
+use super::{fields, particles};
 use jounce::geometry::{Compound, HeightField, Hull, MassProperties, Shape, TriMesh, TriMeshOptions};
 use jounce::math::Mat3;
 use jounce::prelude::*;
@@ -25,6 +25,8 @@ pub struct Storm {
     pub around: fn(&mut dyn FnMut()),
     /// Draws emitters and edits of them, where there are any.
     pub emitters: Option<Rng>,
+    /// Draws fields and edits of them, where there are any.
+    pub fields: Option<Rng>,
 }
 
 impl Storm {
@@ -43,6 +45,7 @@ impl Storm {
             edits: [0, 0],
             around: |f| f(),
             emitters: None,
+            fields: None,
         };
         storm.hooks();
         for _ in 0..1 + storm.rng.below(2) {
@@ -69,8 +72,21 @@ impl Storm {
         self
     }
 
+    /// With fields, whose random numbers are their own too.
+    pub fn with_fields(mut self, seed: u64) -> Self {
+        self.fields = Some(Rng::new(seed ^ 0x31f7));
+        fields::hooks(&mut self.world);
+        for _ in 0..6 {
+            fields::edit(&mut self);
+        }
+        self
+    }
+
     /// Some edits, then a step.
     pub fn step(&mut self) {
+        if self.fields.as_mut().is_some_and(|r| r.one_in(5)) {
+            fields::edit(self);
+        }
         if self.emitters.as_mut().is_some_and(|r| r.one_in(3)) {
             particles::edit(self);
         }

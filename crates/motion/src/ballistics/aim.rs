@@ -7,7 +7,7 @@
 
 use super::roots::{bisect, real_roots};
 use super::{check_gravity, up};
-use crate::error::{Result, bad, check, finite, finite_vector, positive};
+use crate::error::{Result, bad, check, finite_vector, positive};
 use core::f64::consts::FRAC_PI_2;
 use jounce_math::DVec3;
 use jounce_math::scalar::f64s::{asin, atan2, clamp, max, min};
@@ -296,7 +296,9 @@ pub fn lead(target: &Target, speed: f64, gravity: DVec3) -> Result<Reach<Vec<Sho
     target.check()?;
     // In units of the time a straight shot takes to where the target is now, so that no coefficient is extreme.
     let scale = target.position.length() / speed;
-    finite("target", "distance over speed", scale)?;
+    // Its fourth power counts below.
+    let expected = "above 1e-75 of the target's distance a second";
+    check(scale < 1e75, "projectile", "speed", speed, expected)?;
     let (d, u) = (target.position, target.velocity * scale);
     let c = (target.acceleration - gravity) * (scale * scale);
     // |d + u z + ½ c z²|² = Q(z), and the shot covers s·scale·z = |d| z.

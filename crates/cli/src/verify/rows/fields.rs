@@ -284,6 +284,42 @@ fn magnus() -> Rows {
     ])
 }
 
+/// A frame whose spin grows: Euler's force −Ω′×r joins the others.
+fn sped_up() -> Result<(Row, Row)> {
+    let (omega, alpha, t) = (0.3, 0.1, 4.0);
+    let frame = |w: &mut World, angular_velocity: f64| {
+        w.add_field(FieldDesc::new(FieldLaw::RotatingFrame {
+            origin: DVec3::ZERO,
+            angular_velocity: Vec3::Y * angular_velocity as f32,
+            angular_acceleration: Vec3::Y * alpha as f32,
+        }))
+    };
+    let mut w = world(0.0, 240.0)?;
+    frame(&mut w, omega)?;
+    // Among the stars: from (2, 0, 0) at 1 m/s along z.
+    let id = put(&mut w, speck(), [2.0, 0.0, 0.0], [0.0, 0.0, 1.0 + 2.0 * omega as f32])?;
+    run(&mut w, t)?;
+    let (p, angle) = (w.body(id)?.position(), omega * t + 0.5 * alpha * t * t);
+    let (s, c) = (jounce::math::scalar::f64s::sin(angle), jounce::math::scalar::f64s::cos(angle));
+    let stars = DVec3::new(c * p.x + s * p.z, p.y, -s * p.x + c * p.z);
+    let off = stars.distance(DVec3::new(2.0, 0.0, t));
+    // First order: ½ h |a| t, a = Ω²r + 2Ωv + Ω′r with Ω to 0.7 rad/s, r to 4.5 m, v to 1 + Ωr; and the spin is that of the
+    // substep's beginning, ½ h Ω′ t of an angle behind.
+    let (h, spin, r) = (substep(&w), omega + alpha * t, 4.5);
+    let a = spin * spin * r + 2.0 * spin * (1.0 + spin * r) + alpha * r;
+    let tolerance = 0.5 * h * a * t + 0.5 * h * alpha * t * r;
+    let source = "a = −Ω×(Ω×r) − 2Ω×v − Ω′×r";
+    let way = Row::new("way among the stars in 4 s, spin that grows", 4.0, 4.0 + off, tolerance, "m", source);
+    let mut still = world(0.0, 10_000.0)?;
+    frame(&mut still, 0.0)?;
+    let id = put(&mut still, speck(), [3.0, 0.0, 0.0], [0.0; 3])?;
+    still.step()?;
+    let a = f64::from(still.body(id)?.velocity().z) / still.dt();
+    // From rest: only Ω = Ω′ Δt of the step itself turns it, by less than (Ω′Δt)² r.
+    let tolerance = 16.0 * EPS * alpha * 3.0 + (alpha * still.dt()) * (alpha * still.dt()) * 3.0;
+    Ok((way, Row::new("Euler's acceleration at 3 m", alpha * 3.0, a, tolerance, "m/s²", "−Ω′×r")))
+}
+
 fn rotating_frame() -> Rows {
     let omega = 0.5;
     let frame = |w: &mut World| {
@@ -311,7 +347,10 @@ fn rotating_frame() -> Rows {
     let id = put(&mut still, speck(), [3.0, 0.0, 0.0], [0.0; 3])?;
     still.step()?;
     let a = f64::from(still.body(id)?.velocity().x) / still.dt();
+    let (way, late) = sped_up()?;
     Ok(vec![
+        way,
+        late,
         Row::new("way among the stars in 4 s", 4.0, 4.0 + off, tolerance, "m", source),
         Row::new("centrifugal acceleration at 3 m", omega * omega * 3.0, a, 0.75 * 1e-4, "m/s²", source),
     ])

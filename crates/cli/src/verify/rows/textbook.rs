@@ -31,6 +31,7 @@ pub(crate) const LAWS: &[Law] = &[
     Law { topic: "gravitation", name: "pull of two masses", run: || told(pull()) },
     Law { topic: "gravitation", name: "gravitation of Kepler", run: || told(kepler()) },
     Law { topic: "springs", name: "spring between two masses", run: || told(spring()) },
+    Law { topic: "rotation", name: "ball on a string", run: || told(string()) },
     Law { topic: "collision", name: "bounce of a particle", run: || told(bounce()) },
     Law { topic: "momentum form", name: "linear momentum form", run: || told(momentum_form()) },
     Law { topic: "rigid motion", name: "angular momentum form", run: || told(angular_form()) },
@@ -148,6 +149,7 @@ fn oscillator(method: Method, steps: u32) -> jounce_motion::Result<f64> {
 fn orders() -> Found {
     let methods = [
         (Method::ExplicitEuler, 20_000),
+        (Method::LectureLoop, 20_000),
         (Method::SemiImplicitEuler, 20_000),
         (Method::ImplicitEuler, 20_000),
         (Method::Midpoint, 1000),
@@ -460,9 +462,21 @@ fn circle() -> Found {
 }
 
 fn pull() -> Found {
-    let pair = force::gravitation(force::G_LECTURE, 5.0e3, 7.0e3, DVec3::new(3.0, 4.0, 0.0), 0.0);
-    let exact = 6.673e-11 * 35e6 / 25.0;
-    Ok(vec![Row::relative("textbook: pull of two masses", exact, pair.length(), FEW, "N", "G M1 M2/d²")])
+    let pull = |g: f64| force::gravitation(g, 5.0e3, 7.0e3, DVec3::new(3.0, 4.0, 0.0), 0.0).length();
+    let lecture = pull(force::G_LECTURE);
+    let exact = [6.673e-11, 6.674_30e-11].map(|g| g * 35e6 / 25.0);
+    let source = "G M1 M2/d², the lecture's G";
+    Ok(vec![
+        Row::relative("textbook: pull of two masses", exact[0], lecture, FEW, "N", source),
+        Row::relative(
+            "textbook: pull of two masses, CODATA",
+            exact[1],
+            pull(force::G),
+            FEW,
+            "N",
+            "G M1 M2/d², CODATA 2022",
+        ),
+    ])
 }
 
 /// A planet about a sun of G M = 1, a = 1, from the perihelion.
@@ -570,6 +584,32 @@ fn spring() -> Found {
             "kg m/s",
             "third law",
         ),
+    ])
+}
+
+/// A ball on a string, as a stiff spring about a point that stays: it pulls with m ω² r.
+fn string() -> Found {
+    let (m, k, w, r, dt) = (0.5, 1000.0, 6.0, 1.0, 1e-4);
+    let tension = m * w * w * r;
+    let mut s = MassSpring::new(Method::VelocityVerlet);
+    let (hand, ball) = (s.add_point(m, DVec3::ZERO)?, s.add_point(m, DVec3::X * r)?);
+    s.freeze(hand)?;
+    s.add_spring_of_length([hand, ball], Elasticity { stiffness: k, damping: 0.0 }, r - tension / k)?;
+    s.set_velocity(ball, DVec3::Z * (w * r))?;
+    let turn = (TAU / w / dt).round() as u32;
+    let (mut sum, mut worst) = (0.0, 0.0f64);
+    for _ in 0..turn {
+        s.step(dt)?;
+        let pull = k * (s.positions()[ball].length() - (r - tension / k));
+        sum += pull;
+        worst = worst.max((pull - tension).abs());
+    }
+    // Verlet's circle is off by no more than (ωΔt)² of its radius, and the string's stiffness tells.
+    let off = k * r * (w * dt) * (w * dt);
+    let source = "m ω² r; a spring of 1000 N/m";
+    Ok(vec![
+        Row::new("textbook: tension of a string", tension, sum / f64::from(turn), off, "N", source),
+        Row::at_most("textbook: swing of the tension over a turn", off, worst, "N", source),
     ])
 }
 

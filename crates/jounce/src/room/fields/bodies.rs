@@ -70,6 +70,11 @@ impl Mover<'_> {
         }
         let (b, c) = (b * f64::from(k), c * f64::from(k));
         let after = force::implicit_drag(u.as_dvec3(), DVec3::ZERO, b, c, f64::from(h)).length() as f32;
+        if spin == Vec3::ZERO {
+            // Through the centre: scaled, so that no rounding turns it round.
+            self.v = flow + u * (after / speed);
+            return;
+        }
         let j = (speed - after) / k;
         self.v -= n * (j * self.inertia.inv_mass);
         self.w -= spin * j;
@@ -207,7 +212,10 @@ impl Mover<'_> {
         h: f32,
     ) {
         let now = pull.gravity * gravity_scale + pull.other + attraction;
-        self.v += (now - at_start) * (scale * h);
+        // A hook that has no number any more: the next step begins with taking the body out.
+        if now.is_finite() {
+            self.v += (now - at_start) * (scale * h);
+        }
         if pull.spin != Vec3::ZERO {
             self.v = turn(pull.spin * (-2.0 * h)).rotate(self.v);
             // The spin against the stars is ω + Ω; it keeps its direction there, so ω turns back here.

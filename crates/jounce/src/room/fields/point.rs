@@ -3,7 +3,8 @@
 use super::desc::{AIR_DENSITY, AIR_VISCOSITY, FieldLaw};
 use super::gust;
 use super::state::{FieldRecord, FieldView, Fields};
-use jounce_math::{DVec3, Vec3};
+use crate::limits::FIELD_ACCELERATION_MAX;
+use jounce_math::{DVec3, Vec3, scalar::f64s};
 use jounce_motion::force;
 
 /// What all fields together say at one place and time.
@@ -38,6 +39,14 @@ pub(crate) struct Medium {
     pub density: f32,
     pub viscosity: f32,
     pub flow: Vec3,
+}
+
+/// An acceleration with components of at most [`FIELD_ACCELERATION_MAX`]: beside a mass without size a pull has no bound, and
+/// what overflows in f32 would reach the neighbours of a body through its contacts. NaN stays.
+pub(crate) fn bounded(a: DVec3) -> Vec3 {
+    // NaN in the second place stays.
+    let within = |x: f64| f64s::min(FIELD_ACCELERATION_MAX, f64s::max(-FIELD_ACCELERATION_MAX, x));
+    DVec3::new(within(a.x), within(a.y), within(a.z)).as_vec3()
 }
 
 impl crate::World {
@@ -125,7 +134,7 @@ impl FieldRecord {
             FieldLaw::Uniform { acceleration } => pull.gravity += acceleration * w,
             FieldLaw::Point { center, mu, softening } => {
                 let a = force::gravitation(mu, 1.0, 1.0, center - view.position, softening);
-                pull.gravity += a.as_vec3() * w;
+                pull.gravity += bounded(a) * w;
             }
             FieldLaw::RotatingFrame { origin, angular_acceleration, .. } => {
                 let spin = self.frame_spin(time);
@@ -133,12 +142,12 @@ impl FieldRecord {
                 let omega = spin.as_dvec3();
                 let a = force::centrifugal(1.0, omega, r)
                     + force::euler_force(1.0, angular_acceleration.as_dvec3(), r);
-                pull.other += a.as_vec3() * w;
+                pull.other += bounded(a) * w;
                 pull.spin += spin * w;
             }
             FieldLaw::User { .. } => {
                 if let Some(h) = &self.hook {
-                    pull.other += (h.0)(view) * w;
+                    pull.other += bounded((h.0)(view).as_dvec3()) * w;
                 }
             }
             _ => {}
