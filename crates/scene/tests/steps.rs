@@ -1,6 +1,6 @@
 //! Every scene gives the same hash at every step, on 1, 2, 4 and 16 threads and under 50 shuffled schedules.
 //!
-//! `JOUNCE_PROVE=1` takes whole runs of all scenes; without it, the first steps of three. With
+//! `JOUNCE_PROVE=1` takes whole runs of all scenes; without it, the first steps of four. With
 //! `JOUNCE_CHAINS=file` the hashes of all steps, folded into one number for each scene, are written to the file: builds
 //! are compared by their files.
 
@@ -24,21 +24,27 @@ fn root() -> PathBuf {
 
 /// The scenes that can be loaded here, by name; those without their assets are told and left out.
 fn scenes() -> Vec<(String, Scene)> {
-    let listed = ["scenes", "scenes/outside"].iter().flat_map(|folder| {
-        let entries = std::fs::read_dir(root().join(folder)).expect("the folder of scenes");
-        entries.map(move |e| (*folder, e.expect("a folder that can be listed").path()))
-    });
-    let mut files: Vec<(&str, PathBuf)> = listed
-        .filter(|(_, p)| p.extension().is_some_and(|e| e == "json") && !p.ends_with("schema.json"))
-        .collect();
+    let mut folders = vec![root().join("scenes")];
+    let mut files: Vec<(String, PathBuf)> = Vec::new();
+    while let Some(folder) = folders.pop() {
+        let name = folder.strip_prefix(root()).expect("a folder of the project").display().to_string();
+        for entry in std::fs::read_dir(&folder).expect("the folder of scenes") {
+            let path = entry.expect("a folder that can be listed").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "json") && !path.ends_with("schema.json") {
+                files.push((name.clone(), path));
+            }
+        }
+    }
     files.sort();
     assert!(files.len() >= 15, "only {} scenes", files.len());
     if !prove() {
-        files.retain(|(_, p)| ["cards", "drum", "tower"].iter().any(|n| p.ends_with(format!("{n}.json"))));
-        assert_eq!(files.len(), 3);
+        files.retain(|(_, p)| ["cards", "drum", "spray", "tower"].iter().any(|n| p.ends_with(format!("{n}.json"))));
+        assert_eq!(files.len(), 4);
     }
     let options = LoadOptions { assets: root().join("../shared/assets") };
-    let load = |(folder, path): (&str, PathBuf)| {
+    let load = |(folder, path): (String, PathBuf)| {
         let name = format!("{folder}/{}", path.file_name().unwrap_or_default().display());
         match Scene::load(&path, &options) {
             Ok(scene) => Some((name, scene)),
