@@ -280,7 +280,14 @@ fn magnus() -> Rows {
     let steps = 2.0 / substep(&w);
     Ok(vec![
         Row::new("turn of the path in 2 s", expected, angle, 4.0 * EPS * steps, "rad", source),
-        Row::new("speed of a spinning ball after 2 s", 20.0, v.length(), 20.0 * 4.0 * EPS * steps, "m/s", source),
+        Row::new(
+            "speed of a spinning ball after 2 s",
+            20.0,
+            v.length(),
+            20.0 * 4.0 * EPS * steps,
+            "m/s",
+            source,
+        ),
     ])
 }
 
