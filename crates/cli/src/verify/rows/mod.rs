@@ -10,6 +10,7 @@ mod far;
 mod fast;
 mod fields;
 mod friction;
+mod joints;
 mod momentum;
 mod motion;
 mod rolling;
@@ -32,6 +33,7 @@ pub(crate) const LAWS: &[&[Law]] = &[
     collision::LAWS,
     spin::LAWS,
     curves::LAWS,
+    joints::LAWS,
     stacks::LAWS,
     far::LAWS,
     fast::LAWS,
@@ -191,7 +193,7 @@ mod tests {
     #[test]
     fn names_of_rows_are_unique() {
         let mut names: Vec<String> = Vec::new();
-        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, seams::LAWS, textbook::LAWS] {
+        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, joints::LAWS, seams::LAWS, textbook::LAWS] {
             names.extend(laws.iter().flat_map(|l| (l.run)().expect(l.name)).map(|r| r.name));
         }
         let count = names.len();
