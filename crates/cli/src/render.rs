@@ -8,7 +8,7 @@ use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, ParticleView, ShapeId, World};
 use jounce_render::{
     Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails,
-    contact_overlay, default_skin, render_with, sensor_overlay, srgb, write_whole,
+    add_joint, contact_overlay, default_skin, render_with, sensor_overlay, srgb, write_whole,
 };
 use jounce_scene::{Scene, Simulation, System};
 use std::path::Path;
@@ -113,6 +113,8 @@ pub struct Painter<'a> {
     /// Where the followed body was at the start.
     followed: DVec3,
     trails: Option<Trails>,
+    /// Of joints, m.
+    width: f32,
     /// Behind the points of systems that ask for it, with the system's number.
     tails: Vec<(Trails, usize)>,
     pub caption: bool,
@@ -175,7 +177,7 @@ fn add_system(s: &System, extras: &mut Extras) {
     }
 }
 
-/// Width of trails where the scene gives none, as a part of the camera's distance from its target.
+/// Width of trails and joints where the scene gives none, as a part of the camera's distance from its target.
 const TRAIL_WIDTH: f64 = 0.005;
 
 impl<'a> Painter<'a> {
@@ -214,7 +216,7 @@ impl<'a> Painter<'a> {
         let tails =
             tails.filter_map(|(i, s)| Some((Trails::new(Some(s.trail_s()?), s.radius() * 0.5), i))).collect();
         let mut painter =
-            Self { scene, options, camera, followed, trails, tails, caption: false, contacts: false };
+            Self { scene, options, camera, followed, trails, width, tails, caption: false, contacts: false };
         painter.followed = painter.follow(simulation).unwrap_or(DVec3::ZERO);
         painter.watch(simulation);
         painter
@@ -249,6 +251,13 @@ impl<'a> Painter<'a> {
         }
         simulation.world().particles().for_each(|p| add_particle(&p, &mut extras));
         simulation.systems().iter().for_each(|s| add_system(s, &mut extras));
+        if self.scene.spec().render.as_ref().and_then(|r| r.joints) != Some(false) {
+            let world = simulation.world();
+            for id in world.joints() {
+                let look = simulation.joint_look(id);
+                add_joint(world, id, look.width.unwrap_or(self.width), look.color, &mut extras);
+            }
+        }
         extras
     }
 

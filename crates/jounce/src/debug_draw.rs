@@ -5,6 +5,8 @@
 use crate::contact_info::ContactInfo;
 use crate::limits;
 use crate::query::QueryFilter;
+use crate::room::joints::desc::JointKind;
+use crate::room::joints::view::JointRef;
 use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
 use jounce_geometry::Shape;
@@ -36,6 +38,8 @@ pub struct DebugDrawOptions<'a> {
     pub forces: bool,
     /// Length of a newton, metres. Default 0.01.
     pub force_scale: f32,
+    /// Joints: from point to point, with the axes of hinges, sliders and wheels, the ropes of pulleys, and paths. Default true.
+    pub joints: bool,
     /// Centres of mass with the body's axes. Default false.
     pub centers: bool,
     /// Velocities, a metre for a metre per second. Default false.
@@ -60,6 +64,7 @@ impl Default for DebugDrawOptions<'_> {
             contacts: true,
             forces: false,
             force_scale: 0.01,
+            joints: true,
             centers: false,
             velocities: false,
             names: false,
@@ -80,6 +85,7 @@ const BOUNDS: DebugColor = [200, 90, 200];
 const CONTACT: DebugColor = [230, 60, 60];
 const FORCE: DebugColor = [255, 140, 140];
 const VELOCITY: DebugColor = [90, 210, 210];
+const JOINT: DebugColor = [70, 190, 160];
 const AXES: [DebugColor; 3] = [[220, 60, 60], [70, 190, 70], [70, 90, 230]];
 /// Sides of a drawn circle.
 const SIDES: usize = 24;
@@ -111,6 +117,11 @@ impl World {
         bodies.dedup();
         for slot in bodies {
             self.debug_body(slot, draw, options);
+        }
+        if options.joints {
+            for j in self.joints().filter_map(|id| self.joint(id).ok()) {
+                draw_joint(&j, draw, options.size, [min, max]);
+            }
         }
         if options.contacts || options.forces {
             for c in self.contacts() {
@@ -147,6 +158,34 @@ impl World {
             draw.text(f.center, name, self.debug_color(slot, false));
         }
     }
+}
+
+/// A joint that acts and has a point in the region.
+fn draw_joint(j: &JointRef<'_>, draw: &mut dyn DebugDraw, size: f32, [min, max]: [DVec3; 2]) {
+    let [a, b] = j.anchors();
+    let inside = |p: DVec3| (0..3).all(|i| min[i] <= p[i] && p[i] <= max[i]);
+    if !j.is_enabled() || !(inside(a) || inside(b)) {
+        return;
+    }
+    match j.kind() {
+        JointKind::Gear { .. } => return,
+        JointKind::Pulley { wheel_a, wheel_b, .. } => {
+            draw.line(a, *wheel_a, JOINT);
+            draw.line(*wheel_a, *wheel_b, JOINT);
+            draw.line(*wheel_b, b, JOINT);
+        }
+        JointKind::Path(_) => {
+            j.curve().windows(2).for_each(|w| draw.line(w[0], w[1], JOINT));
+        }
+        _ if a != b => draw.line(a, b, JOINT),
+        _ => {}
+    }
+    if matches!(j.kind(), JointKind::Hinge(_) | JointKind::Slider(_) | JointKind::Wheel { .. }) {
+        let x = j.frame_a().q.rotate(Vec3::X * size).as_dvec3();
+        draw.line(a - x, a + x, JOINT);
+    }
+    draw.point(a, JOINT);
+    draw.point(b, JOINT);
 }
 
 fn draw_contact(

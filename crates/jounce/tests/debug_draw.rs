@@ -82,3 +82,26 @@ fn a_box_has_twelve_edges_and_what_is_switched_off_stays_away() {
         (0, 0, 0)
     );
 }
+
+#[test]
+fn joints_are_drawn_from_point_to_point_until_they_break() {
+    let mut w = world();
+    let post = w.add_body(BodyDesc::fixed()).expect("a post");
+    let ball = BodyDesc::dynamic().at([0.0, -1.0, 0.0]).shape(ShapeDesc::sphere(0.1));
+    let ball = w.add_body(ball).expect("a ball");
+    let hinge = w.add_joint(JointDesc::hinge(post, ball, [0.0; 3], Vec3::Z)).expect("a hinge");
+    let rod = w.add_joint(JointDesc::rod(post, ball, [0.0; 3], [0.0, -1.0, 0.0])).expect("a rod");
+    let only = DebugDrawOptions { shapes: false, contacts: false, ..DebugDrawOptions::default() };
+    let paper = drawn(&w, &only);
+    let axis = (DVec3::new(0.0, 0.0, -0.25), DVec3::new(0.0, 0.0, 0.25));
+    assert_eq!((paper.lines.len(), paper.points.len()), (2, 4));
+    assert!((paper.lines[0].0 - axis.0).length() < 1e-6 && (paper.lines[0].1 - axis.1).length() < 1e-6);
+    assert_eq!(paper.lines[1], (DVec3::ZERO, DVec3::new(0.0, -1.0, 0.0)));
+    w.set_joint_enabled(rod, false).expect("out");
+    assert_eq!(drawn(&w, &only).lines.len(), 1);
+    w.remove_joint(hinge).expect("gone");
+    assert!(drawn(&w, &only).lines.is_empty());
+    w.set_joint_enabled(rod, true).expect("in");
+    let off = DebugDrawOptions { joints: false, ..only };
+    assert!(drawn(&w, &off).lines.is_empty());
+}

@@ -2,6 +2,7 @@
 //!
 //! * [`render()`]: a [`Camera`], a world (as a [`Stage`]; any [`Tracer`]) and an [`Overlay`] give an [`Image`].
 //! * [`render_with()`] also draws [`Extras`]: particles, smoke, fire, springs, trails, cloth.
+//! * [`add_joint()`]: rods, ropes, springs and axes of a world's joints, for the extras.
 //! * [`Trails`]: where moving points have been.
 //! * [`Image`]: pixels, and PNG files; [`Film`]: animated GIFs.
 //! * [`Plot`]: curves over time as SVG or as an [`Image`].
@@ -14,6 +15,7 @@ mod error;
 mod extras;
 mod film;
 mod image;
+mod joints;
 mod look;
 mod overlay;
 mod parallel;
@@ -29,6 +31,7 @@ pub use error::{RenderError, Result};
 pub use extras::{Ball, Extras, Face, Rod};
 pub use film::Film;
 pub use image::{Image, SIDE_MAX, write_whole};
+pub use joints::add_joint;
 pub use look::{Look, PALETTE, Pattern, Skin, palette, srgb};
 pub use overlay::{Dot, Line, Overlay};
 pub use plot::{Plot, Series, Style};

@@ -99,6 +99,7 @@ pub(crate) struct Census {
     bodies: u64,
     shapes: u64,
     scattered: u64,
+    joints: u64,
 }
 
 impl Census {
@@ -112,6 +113,16 @@ impl Census {
         if self.shapes > limits::SCENE_SHAPES_MAX {
             let limit = format!("at most {} shapes in a scene", limits::SCENE_SHAPES_MAX);
             return Err(Wrong::new(format!("makes {} shapes", self.shapes), limit));
+        }
+        Ok(())
+    }
+
+    /// Joints, copies included.
+    pub(crate) fn joints(&mut self, joints: u64) -> Checked<()> {
+        self.joints = self.joints.saturating_add(joints);
+        if self.joints > limits::SCENE_JOINTS_MAX {
+            let limit = format!("at most {} joints in a scene", limits::SCENE_JOINTS_MAX);
+            return Err(Wrong::new(format!("makes {} joints", self.joints), limit));
         }
         Ok(())
     }
@@ -154,26 +165,8 @@ impl Names {
 
     /// The bodies that a text names: `name` (all of them) or `name[n]`.
     pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
-        let (name, index) = match text.strip_suffix(']').and_then(|t| t.split_once('[')) {
-            Some((name, n)) => match n.parse::<usize>() {
-                Ok(n) => (name, Some(n)),
-                Err(_) => return Err(Wrong::new(format!("is \"{text}\""), "name or name[number]")),
-            },
-            None => (text, None),
-        };
-        let Some(&Bearers { count, .. }) = self.0.get(name) else {
-            return Err(crate::shapes::unknown("body", name, self.0.keys().map(String::as_str)));
-        };
-        if count == 0 {
-            return Err(Wrong::new(format!("no body is made from \"{name}\""), "a body that is there"));
-        }
-        match index {
-            Some(n) if n as u64 >= count => Err(Wrong::new(
-                format!("\"{text}\" is not there"),
-                format!("{name}[0] to {name}[{}]", count - 1),
-            )),
-            _ => Ok(Target { name: name.into(), index, count: if index.is_some() { 1 } else { count } }),
-        }
+        let known = self.0.keys().map(String::as_str);
+        resolve_name("body", text, known, |name| self.0.get(name).map(|b| b.count))
     }
 
     /// The bodies that a text names, all of which must be of these kinds; `expected` says so.
@@ -194,13 +187,44 @@ impl Names {
     }
 }
 
-/// Bodies by name.
+/// The things that a text names: `name` (all of them) or `name[n]`.
+pub(crate) fn resolve_name<'a>(
+    what: &str,
+    text: &str,
+    known: impl Iterator<Item = &'a str> + Clone,
+    count_of: impl Fn(&str) -> Option<u64>,
+) -> Checked<Target> {
+    let (name, index) = match text.strip_suffix(']').and_then(|t| t.split_once('[')) {
+        Some((name, n)) => match n.parse::<usize>() {
+            Ok(n) => (name, Some(n)),
+            Err(_) => return Err(Wrong::new(format!("is \"{text}\""), "name or name[number]")),
+        },
+        None => (text, None),
+    };
+    let Some(all) = count_of(name) else { return Err(crate::shapes::unknown(what, name, known)) };
+    if all == 0 {
+        return Err(Wrong::new(
+            format!("no {what} is made from \"{name}\""),
+            format!("a {what} that is there"),
+        ));
+    }
+    match index {
+        Some(n) if n as u64 >= all => {
+            Err(Wrong::new(format!("\"{text}\" is not there"), format!("{name}[0] to {name}[{}]", all - 1)))
+        }
+        _ => Ok(Target { name: name.into(), index, count: if index.is_some() { 1 } else { all }, all }),
+    }
+}
+
+/// Bodies or joints by name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Target {
     pub name: String,
     pub index: Option<usize>,
-    /// How many the scene makes in all.
+    /// How many are meant, of all that the scene makes.
     pub count: u64,
+    /// How many bear the name.
+    pub all: u64,
 }
 
 /// One entry of `bodies`: a body, or a grid of them.

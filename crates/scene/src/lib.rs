@@ -10,6 +10,7 @@ mod decompose;
 mod emitters;
 mod error;
 mod fields;
+mod joints;
 mod json;
 pub mod limits;
 mod load;
@@ -26,6 +27,7 @@ pub mod spec;
 mod systems;
 
 pub use error::{Fault, SceneError};
+pub use joints::JointLook;
 pub use json::{KeyPath, Position, Segment};
 pub use load::{LoadOptions, Scene};
 pub use mesh::MeshData;

@@ -18,6 +18,8 @@ pub const SYSTEM_POINTS_MAX: u64 = 1 << 16;
 pub const SCENE_BODIES_MAX: u64 = 1 << 19;
 /// Most shapes of one scene, copies and timed spawns included.
 pub const SCENE_SHAPES_MAX: u64 = 1 << 20;
+/// Most joints of one scene, copies and timed spawns included.
+pub const SCENE_JOINTS_MAX: u64 = 1 << 19;
 /// Most entries a timeline may expand to.
 pub const TIMELINE_MAX: u64 = 1 << 19;
 /// Longest run, seconds of simulated time.

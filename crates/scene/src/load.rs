@@ -4,16 +4,17 @@ use crate::bodies::{Census, Group, Names, color, group, scatter};
 use crate::emitters::{Emitters, emitters};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::fields::{Field, fields};
+use crate::joints::{JointGroup, JointNames, find_ends, group as joint_group};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
-use crate::plan::{Entry, Expect, Look, Sources, expects, probes, step_at, step_from, timeline};
+use crate::plan::{Entry, Expect, Look, Named, Sources, expects, probes, step_at, step_from, timeline};
 use crate::read::read;
 use crate::shapes::{Library, settings};
 use crate::spec::{SceneSpec, TrailsSpec};
 use crate::systems::{System, systems};
 use jounce::math::Vec3;
 use jounce::{World, WorldDesc};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// How to load a scene.
@@ -37,6 +38,7 @@ pub struct Scene {
     pub(crate) spec: SceneSpec,
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
+    pub(crate) joints: Vec<JointGroup>,
     pub(crate) fields: Vec<Field>,
     pub(crate) emitters: Vec<Emitters>,
     pub(crate) systems: Vec<System>,
@@ -127,6 +129,11 @@ impl Scene {
         })
     }
 
+    /// Joints that are there from the start.
+    pub fn joints(&self) -> usize {
+        self.joints.iter().map(JointGroup::len).sum()
+    }
+
     /// Bodies that are there from the start.
     pub fn bodies(&self) -> usize {
         self.groups.iter().map(Group::len).sum()
@@ -152,17 +159,33 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         groups.push(g);
     }
     trial(&spec, &world, &groups)?;
+    let (joints, mut joint_names) = joints(&spec, &names, &mut census)?;
     let fields = fields(&spec.fields, &names)?;
     let emitters = emitters(&spec.emitters, &mut library, &names)?;
     let systems = systems(&spec.systems, 1.0 / (world.rate_hz * f64::from(world.substeps)))?;
     let sources = Sources { fields: &fields, emitters: &emitters, systems: &systems };
-    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut names, &sources)?;
-    let probes = probes(&spec.probes, &names, &sources)?;
+    let mut named = Named { bodies: &mut names, joints: &mut joint_names };
+    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut named, &sources)?;
+    let probes = probes(&spec.probes, &named, &sources)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
     within(&spec, world.rate_hz)?;
     looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
-    Ok(Scene { name, world, groups, fields, emitters, systems, timeline, probes, expects, spec })
+    Ok(Scene { name, world, groups, joints, fields, emitters, systems, timeline, probes, expects, spec })
+}
+
+/// All joints that are there from the start: first their names, then what they join, since gears name joints.
+fn joints(spec: &SceneSpec, names: &Names, census: &mut Census) -> Checked<(Vec<JointGroup>, JointNames)> {
+    let (mut all, mut joint_names) = (Vec::with_capacity(spec.joints.len()), JointNames::default());
+    for (i, j) in spec.joints.iter().enumerate() {
+        let g = joint_group(j, census).index(i).key("joints")?;
+        joint_names.add(&g, 1).index(i).key("joints")?;
+        all.push(g);
+    }
+    for (i, (g, j)) in all.iter_mut().zip(&spec.joints).enumerate() {
+        find_ends(g, j, names, &joint_names, &BTreeMap::new()).index(i).key("joints")?;
+    }
+    Ok((all, joint_names))
 }
 
 /// Nothing may be said of a time that a run of the scene's own length does not reach: it would pass in silence.

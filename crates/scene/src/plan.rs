@@ -4,13 +4,17 @@ use crate::bodies::{Census, Group, Names, Target, group};
 use crate::emitters::{Emitters, find as find_emitter};
 use crate::error::{Checked, Under, Wrong, closest};
 use crate::fields::{Field, explosion, find as find_field};
+use crate::joints::{
+    JointGroup, JointNames, Measure, NewMotor, find_ends, group as joint_group, set_joint, set_motor,
+};
 use crate::limits;
 use crate::shapes::{Library, rotation, unknown};
 use crate::spec::{AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec};
 use crate::systems::System;
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
-use jounce::{BodyKind, Explosion};
+use jounce::{BodyKind, Explosion, JointKind};
+use std::collections::BTreeMap;
 
 /// What a scene holds beside bodies, for those who name it.
 #[derive(Clone, Copy)]
@@ -19,6 +23,41 @@ pub(crate) struct Sources<'a> {
     pub emitters: &'a [Emitters],
     pub systems: &'a [System],
 }
+
+/// Who bears which name.
+pub(crate) struct Named<'a> {
+    pub bodies: &'a mut Names,
+    pub joints: &'a mut JointNames,
+}
+
+/// Numbers that one joint gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum JointValue {
+    Coordinate,
+    CoordinateDeg,
+    Force,
+    Torque,
+    ForceAlong(usize),
+    TorqueAbout(usize),
+    Gap,
+    Broken,
+    Enabled,
+    Length,
+}
+
+const JOINT_VALUES: [(&str, JointValue); 8] = [
+    ("coordinate", JointValue::Coordinate),
+    ("coordinate_deg", JointValue::CoordinateDeg),
+    ("force", JointValue::Force),
+    ("torque", JointValue::Torque),
+    ("gap", JointValue::Gap),
+    ("broken", JointValue::Broken),
+    ("enabled", JointValue::Enabled),
+    ("length", JointValue::Length),
+];
+
+const JOINT_AXIS_VALUES: [OfAxis<JointValue>; 2] =
+    [("force", JointValue::ForceAlong), ("torque", JointValue::TorqueAbout)];
 
 /// Numbers that points and springs give.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,10 +178,12 @@ pub(crate) enum WorldValue {
     Shapes,
     Contacts,
     Touching,
+    Joints,
     Particles,
 }
 
-const WORLD_VALUES: [(&str, WorldValue); 9] = [
+const WORLD_VALUES: [(&str, WorldValue); 10] = [
+    ("joints", WorldValue::Joints),
     ("particles", WorldValue::Particles),
     ("energy", WorldValue::Energy),
     ("kinetic_energy", WorldValue::KineticEnergy),
@@ -186,6 +227,7 @@ fn value<T: Copy>(text: &str, plain: &[(&'static str, T)], axes: &[OfAxis<T>]) -
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Look {
     Body { target: Target, value: BodyValue, aggregate: Option<AggregateSpec> },
+    Joint { target: Target, value: JointValue, aggregate: Option<AggregateSpec> },
     World(WorldValue),
     Sensor(Target),
     Events { kind: EventSpec, target: Option<Target> },
@@ -195,7 +237,7 @@ pub(crate) enum Look {
 
 pub(crate) fn probes(
     all: &Map<ProbeSpec>,
-    names: &Names,
+    names: &Named<'_>,
     sources: &Sources<'_>,
 ) -> Checked<Vec<(String, Look)>> {
     let mut out = Vec::with_capacity(all.0.len());
@@ -209,6 +251,7 @@ pub(crate) fn probes(
 fn of_matter(p: &ProbeSpec, sources: &Sources<'_>) -> Checked<Look> {
     for (key, given) in [
         ("body", p.body.is_some()),
+        ("joint", p.joint.is_some()),
         ("world", p.world.is_some()),
         ("sensor", p.sensor.is_some()),
         ("events", p.events.is_some()),
@@ -243,9 +286,44 @@ fn of_matter(p: &ProbeSpec, sources: &Sources<'_>) -> Checked<Look> {
     Ok(Look::System { system, point: p.point.map(|i| i as usize), value })
 }
 
-fn probe(p: &ProbeSpec, names: &Names, sources: &Sources<'_>) -> Checked<Look> {
+/// A probe of joints.
+fn of_joint(p: &ProbeSpec, name: &str, joints: &JointNames) -> Checked<Look> {
+    for (key, given) in [
+        ("body", p.body.is_some()),
+        ("world", p.world.is_some()),
+        ("sensor", p.sensor.is_some()),
+        ("events", p.events.is_some()),
+    ] {
+        if given {
+            return Err(Wrong::new("is given beside `joint`", "`value` alone").key(key));
+        }
+    }
+    let target = joints.resolve(name).key("joint")?;
+    let Some(text) = p.value.as_deref() else {
+        return Err(Wrong::new("the key `value` is missing", "value beside joint"));
+    };
+    let value = value(text, &JOINT_VALUES, &JOINT_AXIS_VALUES).key("value")?;
+    alone(&target, p.aggregate, "joints").key("joint")?;
+    Ok(Look::Joint { target, value, aggregate: p.aggregate })
+}
+
+/// Several need to become one number.
+fn alone(target: &Target, aggregate: Option<AggregateSpec>, what: &str) -> Checked<()> {
+    if target.count > 1 && aggregate.is_none() {
+        let message = format!("names {} {what}", target.count);
+        let expected = format!("one, such as {}[0], or an aggregate (min, max, mean, …)", target.name);
+        return Err(Wrong::new(message, expected));
+    }
+    Ok(())
+}
+
+fn probe(p: &ProbeSpec, named: &Named<'_>, sources: &Sources<'_>) -> Checked<Look> {
+    let names = &*named.bodies;
     if p.system.is_some() || p.emitter.is_some() {
         return of_matter(p, sources);
+    }
+    if let Some(name) = &p.joint {
+        return of_joint(p, name, named.joints);
     }
     if p.point.is_some() {
         return Err(Wrong::new("is given without `system`", "point only beside system").key("point"));
@@ -255,7 +333,7 @@ fn probe(p: &ProbeSpec, names: &Names, sources: &Sources<'_>) -> Checked<Look> {
     if ways.iter().filter(|w| **w).count() != 1 {
         return Err(Wrong::new(
             "the probe has no clear subject",
-            "exactly one of value (with body), world, sensor, events",
+            "exactly one of value (with body or joint), world, sensor, events",
         ));
     }
     if p.aggregate.is_some() && p.value.is_none() {
@@ -281,11 +359,7 @@ fn probe(p: &ProbeSpec, names: &Names, sources: &Sources<'_>) -> Checked<Look> {
     let Some(target) = target else {
         return Err(Wrong::new("the key `body` is missing", "body beside value"));
     };
-    if target.count > 1 && p.aggregate.is_none() {
-        let message = format!("names {} bodies", target.count);
-        let expected = format!("one, such as {}[0], or an aggregate (min, max, mean, …)", target.name);
-        return Err(Wrong::new(message, expected).key("body"));
-    }
+    alone(&target, p.aggregate, "bodies").key("body")?;
     Ok(Look::Body { target, value: v, aggregate: p.aggregate })
 }
 
@@ -374,7 +448,7 @@ impl Entry {
 
 #[derive(Clone, Debug)]
 pub(crate) enum Action {
-    Spawn(Vec<Group>),
+    Spawn(Vec<Group>, Vec<JointGroup>),
     Push { target: Target, push: Push, duration: f64 },
     SetVelocity { target: Target, velocity: Option<Vec3>, angular_velocity: Option<Vec3> },
     Remove(Target),
@@ -388,6 +462,10 @@ pub(crate) enum Action {
     SetField(usize, bool),
     Emit(usize, u32),
     SetEmitter(usize, bool),
+    Cut(Target),
+    SetMotor(Target, NewMotor),
+    SetJoint(Target, JointKind, Measure),
+    EnableJoint(Target, bool),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -399,12 +477,12 @@ pub(crate) struct Push {
     pub at: Option<DVec3>,
 }
 
-/// Checks the timeline. Two passes: spawned bodies get their names before actions look names up.
+/// Checks the timeline. Two passes: spawned bodies and joints get their names before actions and joints look names up.
 pub(crate) fn timeline(
     all: &[TimelineSpec],
     library: &mut Library,
     census: &mut Census,
-    names: &mut Names,
+    named: &mut Named<'_>,
     sources: &Sources<'_>,
 ) -> Checked<Vec<Entry>> {
     let mut spawned = Vec::with_capacity(all.len());
@@ -419,11 +497,11 @@ pub(crate) fn timeline(
                 .index(i)
                 .key("timeline"));
         }
-        spawned.push(spawn(t, times, library, census, names).key("spawn").index(i).key("timeline")?);
+        spawned.push(spawn(t, times, library, census, named).key("spawn").index(i).key("timeline")?);
     }
     let mut out = Vec::with_capacity(all.len());
     for (i, (t, spawned)) in all.iter().zip(spawned).enumerate() {
-        let action = action(t, spawned, names, sources).index(i).key("timeline")?;
+        let action = action(t, spawned, named, sources).index(i).key("timeline")?;
         out.push(Entry { at: t.at, every: t.every.unwrap_or(0.0), times: t.times.unwrap_or(1), action });
     }
     Ok(out)
@@ -446,22 +524,57 @@ fn spawn(
     times: u64,
     library: &mut Library,
     census: &mut Census,
-    names: &mut Names,
-) -> Checked<Vec<Group>> {
-    let mut groups = Vec::new();
+    named: &mut Named<'_>,
+) -> Checked<(Vec<Group>, Vec<JointGroup>)> {
+    let (mut groups, mut joints) = (Vec::new(), Vec::new());
     for (i, b) in t.spawn.iter().flat_map(|s| &s.bodies).enumerate() {
         let under = |w: Wrong| w.index(i).key("bodies");
         let mut g = group(b, library, census).map_err(under)?;
         census.add((times - 1).saturating_mul(g.len() as u64), b.shapes.len() as u64).map_err(under)?;
         g.single &= times == 1;
-        let named = g.names(times);
-        named.and_then(|all| all.into_iter().try_for_each(|(n, b)| names.add(&n, b))).map_err(under)?;
+        let all = g.names(times);
+        all.and_then(|all| all.into_iter().try_for_each(|(n, b)| named.bodies.add(&n, b))).map_err(under)?;
         groups.push(g);
     }
-    Ok(groups)
+    for (i, j) in t.spawn.iter().flat_map(|s| &s.joints).enumerate() {
+        let under = |w: Wrong| w.index(i).key("joints");
+        let mut g = joint_group(j, census).map_err(under)?;
+        census.joints((times - 1).saturating_mul(g.len() as u64)).map_err(under)?;
+        g.single &= times == 1;
+        named.joints.add(&g, times).map_err(under)?;
+        joints.push(g);
+    }
+    if t.spawn.is_some() && groups.is_empty() && joints.is_empty() {
+        return Err(Wrong::new("nothing is spawned", "bodies, joints or both"));
+    }
+    Ok((groups, joints))
 }
 
-fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Sources<'_>) -> Checked<Action> {
+/// Looks up what spawned joints join.
+fn spawned_ends(
+    t: &TimelineSpec,
+    groups: &[Group],
+    joints: &mut [JointGroup],
+    named: &Named<'_>,
+) -> Checked<()> {
+    let Some(s) = &t.spawn else { return Ok(()) };
+    let mut own: BTreeMap<String, usize> = BTreeMap::new();
+    own.extend(groups.iter().filter_map(|g| Some((g.name.clone()?, g.len()))));
+    let own_joints = joints.iter().filter_map(|g| Some((g.name.clone()?, g.len()))).collect();
+    for (i, (g, j)) in joints.iter_mut().zip(&s.joints).enumerate() {
+        let own = if g.is_gear() { &own_joints } else { &own };
+        find_ends(g, j, named.bodies, named.joints, own).index(i).key("joints").key("spawn")?;
+    }
+    Ok(())
+}
+
+fn action(
+    t: &TimelineSpec,
+    spawned: (Vec<Group>, Vec<JointGroup>),
+    named: &Named<'_>,
+    sources: &Sources<'_>,
+) -> Checked<Action> {
+    let names = &*named.bodies;
     let given = [
         ("spawn", t.spawn.is_some()),
         ("push", t.push.is_some()),
@@ -477,6 +590,10 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Source
         ("set_field", t.set_field.is_some()),
         ("emit", t.emit.is_some()),
         ("set_emitter", t.set_emitter.is_some()),
+        ("cut", t.cut.is_some()),
+        ("set_motor", t.set_motor.is_some()),
+        ("set_joint", t.set_joint.is_some()),
+        ("enable_joint", t.enable_joint.is_some()),
     ];
     let n = given.iter().filter(|(_, there)| *there).count();
     if n != 1 {
@@ -551,7 +668,22 @@ fn action(t: &TimelineSpec, spawned: Vec<Group>, names: &Names, sources: &Source
         let n = find_emitter(&e.emitter, sources.emitters).key("emitter").key("set_emitter")?;
         return Ok(Action::SetEmitter(n, e.enabled));
     }
-    Ok(Action::Spawn(spawned))
+    if let Some(c) = &t.cut {
+        return named.joints.resolve(&c.joint).map(Action::Cut).key("joint").key("cut");
+    }
+    if let Some(m) = &t.set_motor {
+        return set_motor(m, named.joints).map(|(j, m)| Action::SetMotor(j, m)).key("set_motor");
+    }
+    if let Some(s) = &t.set_joint {
+        return set_joint(s, named.joints).map(|(j, k, m)| Action::SetJoint(j, k, m)).key("set_joint");
+    }
+    if let Some(e) = &t.enable_joint {
+        let target = named.joints.resolve(&e.joint).key("joint").key("enable_joint")?;
+        return Ok(Action::EnableJoint(target, e.enabled));
+    }
+    let (groups, mut joints) = spawned;
+    spawned_ends(t, &groups, &mut joints, named)?;
+    Ok(Action::Spawn(groups, joints))
 }
 
 fn bounded(v: [f32; 3], limit: f32, unit: &str) -> Checked<Vec3> {

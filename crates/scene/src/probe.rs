@@ -1,11 +1,12 @@
 //! Probes: numbers of a running world.
 
 use crate::bodies::{Group, Target};
-use crate::plan::{BodyValue, EmitterValue, Look, WorldValue};
+use crate::joints::JointRecords;
+use crate::plan::{BodyValue, EmitterValue, JointValue, Look, WorldValue};
 use crate::spec::{AggregateSpec, EventSpec};
 use crate::systems::System;
 use jounce::math::{DVec3, Vec3, WorldPose};
-use jounce::{BodyId, ContactInfo, EmitterId, Event, ShapeId, World};
+use jounce::{BodyId, ContactInfo, EmitterId, Event, JointId, ShapeId, World};
 use std::collections::BTreeMap;
 
 /// What a scene knows of a body that the engine does not.
@@ -85,6 +86,11 @@ impl Records {
         }
     }
 
+    /// The body of a name and number, if it was made; it may be removed by now.
+    pub(crate) fn get_named(&self, name: &str, index: usize) -> Option<BodyId> {
+        self.bodies[*self.index.get(name)?].get(index).copied()
+    }
+
     fn is_of(&self, id: BodyId, target: &Target) -> bool {
         let Some(wanted) = self.index.get(&target.name) else { return false };
         let mut names = self.get(id).into_iter().flat_map(|r| r.names.iter().flatten());
@@ -136,6 +142,7 @@ fn is_kind(e: &Event, kind: EventSpec) -> bool {
             | (Event::Quarantine { .. }, EventSpec::Quarantine)
             | (Event::SpeedLimited { .. }, EventSpec::SpeedLimited)
             | (Event::LimitReached { .. }, EventSpec::LimitReached)
+            | (Event::JointBreak { .. }, EventSpec::JointBreak)
     )
 }
 
@@ -154,6 +161,9 @@ fn concerns(e: &Event, target: &Target, records: &Records, world: &World) -> boo
         | Event::Wake { body: b }
         | Event::Quarantine { body: b }
         | Event::SpeedLimited { body: b } => body(b),
+        Event::JointBreak { joint, .. } => {
+            world.joint(*joint).is_ok_and(|j| body(&j.body_a()) || body(&j.body_b()))
+        }
         _ => false,
     }
 }
@@ -163,6 +173,7 @@ fn concerns(e: &Event, target: &Target, records: &Records, world: &World) -> boo
 pub(crate) struct Seen<'a> {
     pub world: &'a World,
     pub records: &'a Records,
+    pub joints: &'a JointRecords,
     pub counts: &'a EventCounts,
     pub systems: &'a [System],
     /// Handles of each entry of `emitters`; those that removed themselves are stale.
@@ -185,7 +196,7 @@ fn of_particles(v: EmitterValue, world: &World, ids: &[EmitterId]) -> f64 {
 
 /// The number that probe `n` shows now; NaN where its body is not there.
 pub(crate) fn evaluate(look: &Look, n: usize, seen: &Seen<'_>) -> f64 {
-    let Seen { world, records, counts, systems, emitters } = *seen;
+    let Seen { world, records, joints, counts, systems, emitters } = *seen;
     match look {
         Look::System { system, point, value } => {
             systems.get(*system).map_or(f64::NAN, |s| s.value(*value, *point))
@@ -194,6 +205,10 @@ pub(crate) fn evaluate(look: &Look, n: usize, seen: &Seen<'_>) -> f64 {
             of_particles(*value, world, emitters.get(*emitter).map_or(&[], Vec::as_slice))
         }
         Look::World(v) => of_world(*v, world),
+        Look::Joint { target, value, aggregate } => {
+            let numbers = joints.of(target).iter().map(|j| of_joint(*value, *j, world));
+            fold(numbers.filter(|x| x.is_finite()), *aggregate)
+        }
         Look::Events { .. } => counts.counts.get(n).map_or(f64::NAN, |c| *c as f64),
         Look::Sensor(target) => records.of(target).iter().map(|b| visitors(world, *b)).sum::<usize>() as f64,
         Look::Body { target, value, aggregate } => {
@@ -246,6 +261,7 @@ fn of_world(v: WorldValue, world: &World) -> f64 {
         WorldValue::Shapes => world.counts().shapes as f64,
         WorldValue::Contacts => world.counts().contacts as f64,
         WorldValue::Particles => world.counts().particles as f64,
+        WorldValue::Joints => world.counts().joints as f64,
         WorldValue::Touching => world.counts().touching as f64,
     }
 }
@@ -293,6 +309,26 @@ fn of_body(v: BodyValue, id: BodyId, world: &World, records: &Records) -> f64 {
                 sum * signed(c)
             };
             all.iter().fold(DVec3::ZERO, |f, c| f + of(c)).length()
+        }
+    }
+}
+
+fn of_joint(v: JointValue, id: JointId, world: &World) -> f64 {
+    let Ok(j) = world.joint(id) else { return f64::NAN };
+    let axis = |v: Vec3, k: usize| f64::from(v.to_array()[k]);
+    match v {
+        JointValue::Coordinate => f64::from(j.coordinate()),
+        JointValue::CoordinateDeg => degrees(f64::from(j.coordinate())),
+        JointValue::Force => j.force().as_dvec3().length(),
+        JointValue::Torque => j.torque().as_dvec3().length(),
+        JointValue::ForceAlong(k) => axis(j.force(), k),
+        JointValue::TorqueAbout(k) => axis(j.torque(), k),
+        JointValue::Gap => f64::from(j.gap()),
+        JointValue::Broken => f64::from(u8::from(j.is_broken())),
+        JointValue::Enabled => f64::from(u8::from(j.is_enabled())),
+        JointValue::Length => {
+            let [a, b] = j.anchors();
+            (b - a).length()
         }
     }
 }

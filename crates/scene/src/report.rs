@@ -121,7 +121,7 @@ impl Report {
             steps: world.step_count(),
             seconds_simulated: world.time(),
             bodies: counts.bodies,
-            joints: 0,
+            joints: counts.joints,
             particles: counts.particles,
             contacts: counts.touching,
             awake: counts.awake,

@@ -548,6 +548,8 @@ pub(crate) fn settings(s: &SettingsSpec) -> Settings {
         sleep: s.sleep.unwrap_or(d.sleep),
         sleep_speed: s.sleep_speed.unwrap_or(d.sleep_speed),
         sleep_time_s: s.sleep_time_s.unwrap_or(d.sleep_time_s),
+        joint_hertz: s.joint_hertz.unwrap_or(d.joint_hertz),
+        joint_damping_ratio: s.joint_damping_ratio.unwrap_or(d.joint_damping_ratio),
         continuous: s.continuous.unwrap_or(d.continuous),
         warm_starting: s.warm_starting.unwrap_or(d.warm_starting),
         recycle_contacts: s.recycle_contacts.unwrap_or(d.recycle_contacts),

@@ -3,6 +3,7 @@
 
 use crate::bodies::{Group, Target};
 use crate::error::SceneError;
+use crate::joints::{JointGroup, JointLook, JointRecords, measured};
 use crate::load::Scene;
 use crate::plan::{Action, Look, Push, step_at, step_from};
 use crate::probe::{EventCounts, Records, Seen, evaluate};
@@ -11,7 +12,9 @@ use crate::samples::Samples;
 use crate::systems::System;
 use jounce::math::{Quat, Vec3, WorldPose};
 use jounce::tasks::Tasks;
-use jounce::{BodyId, Command, EmitterId, FieldDesc, FieldId, FieldLaw, StateHasher, World};
+use jounce::{
+    BodyId, Command, EmitterId, FieldDesc, FieldId, FieldLaw, JointId, JointRef, StateHasher, World,
+};
 use std::time::Instant;
 
 /// A running scene.
@@ -34,6 +37,7 @@ pub struct Simulation {
     scene: Scene,
     world: World,
     records: Records,
+    joints: JointRecords,
     counts: EventCounts,
     fields: Vec<FieldId>,
     /// Of each entry of `emitters`.
@@ -82,6 +86,7 @@ impl Simulation {
         let mut s = Self {
             world,
             records: Records::default(),
+            joints: JointRecords::default(),
             counts: EventCounts::new(&scene.probes),
             fields: Vec::new(),
             emitters: Vec::new(),
@@ -106,6 +111,10 @@ impl Simulation {
         let spawned = groups.iter().try_for_each(|g| s.spawn(g, 0));
         s.scene.groups = groups;
         spawned?;
+        let joints = std::mem::take(&mut s.scene.joints);
+        let joined = s.join(&joints, 0);
+        s.scene.joints = joints;
+        joined?;
         s.add_fields()?;
         s.add_emitters()?;
         s.start_energy = s.world.energy().total();
@@ -172,6 +181,16 @@ impl Simulation {
         self.records.by_text(name)
     }
 
+    /// All joints of `name`, or the one of `name[n]`, made so far; some may be removed by now.
+    pub fn joints(&self, name: &str) -> &[JointId] {
+        self.joints.by_text(name)
+    }
+
+    /// How the scene wants a joint to look.
+    pub fn joint_look(&self, joint: JointId) -> JointLook {
+        self.joints.look(joint)
+    }
+
     /// Systems of points and springs.
     pub fn systems(&self) -> &[System] {
         &self.systems
@@ -218,6 +237,56 @@ impl Simulation {
         Ok(())
     }
 
+    /// Adds joints, gears last since they name others.
+    fn join(&mut self, groups: &[JointGroup], occurrence: u64) -> Result<(), SceneError> {
+        let made: Vec<usize> = groups.iter().map(|g| self.joints.made(g.name.as_ref())).collect();
+        for gears in [false, true] {
+            let some = groups.iter().zip(&made).filter(|(g, _)| g.is_gear() == gears);
+            for (g, made) in some {
+                for n in 0..g.len() {
+                    let ends = [g.end(n, 0, occurrence), g.end(n, 1, occurrence)];
+                    let desc = if gears {
+                        let [a, b] = ends.map(|e| (self.joints.get(e.name, e.index), e));
+                        let ids = [a, b]
+                            .map(|(id, e)| id.ok_or_else(|| self.absent(g, n, "joint", e.name, e.index)));
+                        let [a, b] = ids;
+                        g.gear(n, [a?, b?], *made)
+                    } else {
+                        let there = ends.map(|e| {
+                            let id = self.records.get_named(e.name, e.index);
+                            let found = id.and_then(|id| Some((id, self.world.body(id).ok()?.pose())));
+                            found.ok_or_else(|| self.absent(g, n, "body", e.name, e.index))
+                        });
+                        let [a, b] = there;
+                        g.joint(n, [a?, b?], *made)
+                    };
+                    let id = self.world.add_joint(desc).map_err(|e| self.refused(&e))?;
+                    self.joints.add(g, id);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn absent(&self, g: &JointGroup, n: usize, what: &str, name: &str, index: usize) -> SceneError {
+        let joint = g.label(n, 0).map_or_else(|| "a joint".into(), |l| format!("joint \"{l}\""));
+        let message = format!("{joint}: {what} \"{name}\" number {index} is not there; expected one that is");
+        SceneError::Run { scene: self.scene.name.clone(), time: self.world.time(), message }
+    }
+
+    /// Applies a command to every joint of a target that is still there.
+    fn each_joint(
+        &mut self,
+        target: &Target,
+        command: impl Fn(JointId, &JointRef<'_>) -> Command,
+    ) -> Result<(), SceneError> {
+        for id in self.joints.of(target).to_vec() {
+            let Ok(command) = self.world.joint(id).map(|j| command(id, &j)) else { continue };
+            self.apply(command)?;
+        }
+        Ok(())
+    }
+
     /// Carries out what is due and what goes on.
     fn act(&mut self) -> Result<(), SceneError> {
         let now = self.world.step_count();
@@ -236,8 +305,9 @@ impl Simulation {
     fn action(&mut self, action: &Action, occurrence: u64, now: u64) -> Result<(), SceneError> {
         let steps = |duration: f64| step_at(duration, self.scene.world.rate_hz).max(1);
         match action {
-            Action::Spawn(groups) => {
+            Action::Spawn(groups, joints) => {
                 groups.iter().try_for_each(|g| self.spawn(g, occurrence as usize * g.len()))?;
+                self.join(joints, occurrence)?;
                 self.let_attract()
             }
             Action::Push { target, push, duration } => {
@@ -284,6 +354,18 @@ impl Simulation {
                 .emitters_of(*n)
                 .into_iter()
                 .try_for_each(|e| self.apply(Command::SetEmitterEnabled(e, *on))),
+            Action::Cut(target) => self.each_joint(target, |j, _| Command::RemoveJoint(j)),
+            Action::EnableJoint(target, on) => {
+                self.each_joint(target, |j, _| Command::SetJointEnabled(j, *on))
+            }
+            Action::SetMotor(target, motor) => {
+                self.each_joint(target, |j, r| Command::SetJoint(j, Box::new(motor.put(r.kind()))))
+            }
+            Action::SetJoint(target, kind, measure) => self.each_joint(target, |j, r| {
+                let (mut kind, [a, b]) = (kind.clone(), r.anchors());
+                measured(&mut kind, *measure, (b - a).length() as f32);
+                Command::SetJoint(j, Box::new(kind))
+            }),
             Action::SetField(n, on) => {
                 let Some(&id) = self.fields.get(*n) else { return Ok(()) };
                 let mut desc = self.world.field(id).map_err(|e| self.refused(&e))?.clone();
@@ -400,6 +482,7 @@ impl Simulation {
         let seen = Seen {
             world: &self.world,
             records: &self.records,
+            joints: &self.joints,
             counts: &self.counts,
             systems: &self.systems,
             emitters: &self.emitters,

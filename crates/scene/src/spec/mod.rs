@@ -4,12 +4,14 @@
 
 mod body;
 mod field;
+mod joint;
 mod run;
 mod system;
 mod values;
 
 pub use body::*;
 pub use field::*;
+pub use joint::*;
 pub use run::*;
 pub use system::*;
 pub use values::*;
@@ -53,6 +55,9 @@ pub struct SceneSpec {
     /// Bodies placed at random, from explicit seeds.
     #[serde(default)]
     pub scatter: Vec<ScatterSpec>,
+    /// What holds bodies together: hinges, ropes, springs, gears, ….
+    #[serde(default)]
+    pub joints: Vec<JointSpec>,
     /// Laws that act on everything in a region: gravity of stars, wind, air, water, whirls.
     #[serde(default)]
     pub fields: Vec<FieldSpec>,
@@ -115,6 +120,10 @@ pub struct SettingsSpec {
     pub sleep_speed: Option<f32>,
     /// How long an island must rest before it sleeps, s. Default 0.5.
     pub sleep_time_s: Option<f32>,
+    /// Stiffness of joints where they are solved row by row, Hz. Default 60.
+    pub joint_hertz: Option<f32>,
+    /// Damping ratio of joints where they are solved row by row. Default 2.
+    pub joint_damping_ratio: Option<f32>,
     /// Continuous collision of fast bodies against fixed ones. Default true.
     pub continuous: Option<bool>,
     /// Start each substep from the last impulses. Default true.

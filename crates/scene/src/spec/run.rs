@@ -1,12 +1,15 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
-use super::{BodySpec, EmitSpec, ExplodeSpec, SetEmitterSpec, SetFieldSpec};
+use super::{
+    BodySpec, EmitSpec, EnableJointSpec, ExplodeSpec, JointSpec, NamedJointSpec, SetEmitterSpec,
+    SetFieldSpec, SetJointSpec, SetMotorSpec,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
 /// `wake`, `sleep`, `enable`, `explode`, `set_field`,
-/// `emit` and `set_emitter`.
+/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint` and `enable_joint`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimelineSpec {
@@ -44,14 +47,27 @@ pub struct TimelineSpec {
     pub emit: Option<EmitSpec>,
     /// Switches an emitter on or off.
     pub set_emitter: Option<SetEmitterSpec>,
+    /// Removes joints.
+    pub cut: Option<NamedJointSpec>,
+    /// Puts another motor on an axis of joints, or takes it off.
+    pub set_motor: Option<Box<SetMotorSpec>>,
+    /// Gives joints other ends, motors, springs, lengths.
+    pub set_joint: Option<Box<SetJointSpec>>,
+    /// Takes joints out of the simulation, or back in.
+    pub enable_joint: Option<EnableJointSpec>,
 }
 
-/// Bodies to add.
+/// Bodies and joints to add.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpawnSpec {
     /// The bodies.
+    #[serde(default)]
     pub bodies: Vec<BodySpec>,
+    /// Joints between them and what is there; where the action repeats, names of these bodies and joints mean those of the same
+    /// time.
+    #[serde(default)]
+    pub joints: Vec<JointSpec>,
 }
 
 /// A push on bodies.
@@ -128,7 +144,8 @@ pub struct EnableSpec {
     pub enabled: bool,
 }
 
-/// A number sampled every step: exactly one of `body` with `value`, `world`, `sensor`, and `events`.
+/// A number sampled every step: exactly one of `body` with `value`, `joint` with `value`, `world`, `sensor`,
+/// and `events`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeSpec {
@@ -139,10 +156,14 @@ pub struct ProbeSpec {
     /// rotation at the start), distance (from the place at the start), kinetic_energy, potential_energy, energy, mass,
     /// awake, contacts (touching pairs), normal_force (sum over the contacts, N), friction_force (size of the sum, N).
     pub value: Option<String>,
-    /// How many bodies become one number.
+    /// Name of a joint, or of many with `aggregate`, with `value`: coordinate (where its main axis stands, m or rad),
+    /// coordinate_deg, force and torque on `b` (sizes, N and N m) or force.x|y|z and torque.x|y|z, gap (how far it is from
+    /// holding, m), broken, enabled (1 or 0), length (distance of its two points, m).
+    pub joint: Option<String>,
+    /// How many bodies or joints become one number.
     pub aggregate: Option<AggregateSpec>,
     /// Of the whole world: energy, kinetic_energy, potential_energy, momentum.x|y|z, angular_momentum.x|y|z, bodies,
-    /// awake, shapes, contacts, touching, particles.
+    /// awake, shapes, contacts, touching, joints (broken ones too), particles.
     pub world: Option<String>,
     /// Name of a system of points and springs, with `value` (and `point`): position.x|y|z and velocity.x|y|z (of a point, or of
     /// the centre of mass), momentum.x|y|z, speed, distance (from the start), radius (from the origin; of all points the
@@ -202,6 +223,8 @@ pub enum EventSpec {
     SpeedLimited,
     /// A bound was reached inside a step.
     LimitReached,
+    /// A joint was loaded beyond what it stands.
+    JointBreak,
 }
 
 /// What a probe must show.
@@ -262,6 +285,8 @@ pub struct RenderSpec {
     pub sun_strength: Option<f32>,
     /// Draw outlines of sensors. Default false.
     pub sensors: Option<bool>,
+    /// Draw joints: rods, ropes, springs, axes of hinges, rails. Default true.
+    pub joints: Option<bool>,
     /// Draw where bodies have been.
     pub trails: Option<TrailsSpec>,
 }

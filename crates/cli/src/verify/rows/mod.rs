@@ -10,6 +10,7 @@ mod far;
 mod fast;
 mod fields;
 mod friction;
+mod joints;
 mod matter;
 mod momentum;
 mod motion;
@@ -35,6 +36,7 @@ pub(crate) const LAWS: &[&[Law]] = &[
     collision::LAWS,
     spin::LAWS,
     curves::LAWS,
+    joints::LAWS,
     stacks::LAWS,
     far::LAWS,
     fast::LAWS,
@@ -205,6 +207,7 @@ mod tests {
             particles::LAWS,
             friction::LAWS,
             collision::LAWS,
+            joints::LAWS,
             seams::LAWS,
             textbook::LAWS,
         ] {

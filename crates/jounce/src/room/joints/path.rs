@@ -74,6 +74,10 @@ impl Curve {
         let v = (b - c) * (6.0 * (u2 - u)) + m0 * (3.0 * u2 - 4.0 * u + 1.0) + m1 * (3.0 * u2 - 2.0 * u);
         (p, v)
     }
+    /// The ends of all pieces.
+    pub fn points(&self) -> impl Iterator<Item = Vec3> + '_ {
+        (0..self.lengths.len()).map(|i| self.at(i as f32 / PIECES as f32).0)
+    }
     /// Parameter at a length.
     fn parameter(&self, s: f32) -> f32 {
         let i = self.lengths.partition_point(|&l| l <= s).clamp(1, self.lengths.len() - 1);

@@ -78,6 +78,12 @@ impl<'a> JointRef<'a> {
     pub fn anchors(&self) -> [DVec3; 2] {
         [self.frame_a().p, self.frame_b().p]
     }
+    /// Points along a path joint's curve in the world, sixteen to a segment; empty for other kinds.
+    pub fn curve(&self) -> Vec<DVec3> {
+        let Some(curve) = &self.joint.curve else { return Vec::new() };
+        let frame = self.frame_a();
+        curve.points().map(|p| frame.transform_point(p)).collect()
+    }
     /// How far the joint is from holding, m: the part of the anchors' distance that it should keep at zero.
     pub fn gap(&self) -> f32 {
         let e = self.world.ends(self.joint);
