@@ -5,9 +5,10 @@ use crate::error::{Checked, Under, Wrong};
 use crate::limits;
 use crate::shapes::rotation;
 use crate::spec::{
-    AxisSpec, AxisSpringSpec, BallJointSpec, BallMotorSpec, DistanceJointSpec, GearSpec, GenericJointSpec,
-    JointAxisSpec, JointFrameSpec, JointRepeatSpec, JointSolverSpec, JointSpec, LimitSpec, MotorSpec,
-    PathSpec, PulleySpec, SetJointSpec, SetMotorSpec, SpringJointSpec, StiffnessSpec, WheelJointSpec,
+    AxisSpec, AxisSpringSpec, BallJointSpec, BallMotorSpec, Count, DistanceJointSpec, GearSpec,
+    GenericJointSpec, JointAxisSpec, JointFrameSpec, JointRepeatSpec, JointSolverSpec, JointSpec, LimitSpec,
+    MotorSpec, PathSpec, PulleySpec, SetJointSpec, SetMotorSpec, SpringJointSpec, StiffnessSpec,
+    WheelJointSpec,
 };
 use jounce::limits::{NAME_MAX, POSITION_MAX};
 use jounce::math::{DVec3, Pose, Quat, Vec3, WorldPose};
@@ -29,7 +30,8 @@ pub(crate) struct JointGroup {
     desc: JointDesc,
     measure: Measure,
     count: [u64; 3],
-    step: DVec3,
+    repeated: Count,
+    step: [f64; 3],
     steps: [[i64; 3]; 2],
     ends: [End; 2],
 }
@@ -104,8 +106,8 @@ impl JointGroup {
     }
     fn shifted(&self, n: usize) -> JointDesc {
         let mut d = self.desc.clone();
-        let [i, j, k] = self.cell(n).map(|x| x as f64);
-        let by = DVec3::new(i * self.step.x, j * self.step.y, k * self.step.z);
+        let cell = self.cell(n).map(|x| x as f64);
+        let by = DVec3::from_array(self.repeated.shift(cell, self.step));
         match &mut d.frames {
             JointFrames::World(w) => w.p += by,
             JointFrames::Anchors(a, b) => (*a, *b) = (*a + by, *b + by),
@@ -208,7 +210,8 @@ pub(crate) fn group(j: &JointSpec, census: &mut Census) -> Checked<JointGroup> {
         desc,
         measure,
         count,
-        step: DVec3::from_array(step),
+        repeated: j.repeat.as_ref().map_or(Count::One(1), |r| r.count),
+        step,
         steps,
         ends: [End::default(), End::default()],
     })

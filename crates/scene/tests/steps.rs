@@ -24,7 +24,7 @@ fn root() -> PathBuf {
 
 /// The scenes that can be loaded here, by name; those without their assets are told and left out.
 fn scenes() -> Vec<(String, Scene)> {
-    let listed = ["scenes", "scenes/outside"].iter().flat_map(|folder| {
+    let listed = ["scenes", "scenes/joints", "scenes/outside"].iter().flat_map(|folder| {
         let entries = std::fs::read_dir(root().join(folder)).expect("the folder of scenes");
         entries.map(move |e| (*folder, e.expect("a folder that can be listed").path()))
     });

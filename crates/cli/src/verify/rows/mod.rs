@@ -193,7 +193,8 @@ mod tests {
     #[test]
     fn names_of_rows_are_unique() {
         let mut names: Vec<String> = Vec::new();
-        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, joints::LAWS, seams::LAWS, textbook::LAWS] {
+        for laws in [motion::LAWS, friction::LAWS, collision::LAWS, joints::LAWS, seams::LAWS, textbook::LAWS]
+        {
             names.extend(laws.iter().flat_map(|l| (l.run)().expect(l.name)).map(|r| r.name));
         }
         let count = names.len();
