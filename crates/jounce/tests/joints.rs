@@ -4,7 +4,7 @@
 
 use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
-use jounce::{AxisDesc, PathDesc};
+use jounce::{AxisDesc, JointSolver, PathDesc};
 
 fn world() -> World {
     World::new(WorldDesc::default()).unwrap()
@@ -554,6 +554,71 @@ fn the_iterative_solver_holds_too() {
     let gap = joints.iter().map(|&j| w.joint(j).unwrap().gap()).fold(0.0, f32s::max);
     // Flat as it hangs, its pull is many times its weight; soft rows yield some centimetres of the 50 between two balls.
     assert!(gap < 0.05, "{gap}");
+}
+
+/// A cable of ropes with weights gained energy out of nothing (from 0 to 100 J in a second): a rope took part only where the velocities
+/// of free fall stretched it, so inner ones held in every other substep. Ropes that pull must do what rods do.
+#[test]
+fn a_cable_of_ropes_rests_as_one_of_rods() {
+    let mut w = world();
+    let hook = anchor(&mut w);
+    let n = 9;
+    let at = |k: i32| {
+        let x = f64::from(k);
+        let u = 2.0 * x / f64::from(n + 1) - 1.0;
+        DVec3::new(x, 2.0 * u * u, 0.0)
+    };
+    let (mut last, mut p) = (hook, at(0));
+    let mut all = Vec::new();
+    for k in 1..=n {
+        let (q, low) = (at(k), at(k) - DVec3::Y * 2.0);
+        let node = ball(&mut w, q.to_array(), 0.1, 60.0);
+        let load = ball(&mut w, low.to_array(), 0.3, 1600.0);
+        w.add_joint(JointDesc::rope(node, load, q, low, 2.0)).unwrap();
+        w.add_joint(JointDesc::rope(last, node, p, q, (q - p).length() as f32)).unwrap();
+        all.extend([node, load]);
+        (last, p) = (node, q);
+    }
+    let q = at(n + 1);
+    w.add_joint(JointDesc::rope(last, hook, p, q, (q - p).length() as f32)).unwrap();
+    all.iter().for_each(|&b| w.apply(jounce::Command::SetCanSleep(b, false)).map(drop).unwrap());
+    let e0 = w.energy().total();
+    for _ in 0..600 {
+        w.step().unwrap();
+        // Equal weights at equal distances hang in a parabola: it is at rest, to rounding of an energy of 2e5 J.
+        let fastest = all.iter().map(|&b| w.body(b).unwrap().velocity().length()).fold(0.0, f32s::max);
+        assert!(fastest < 0.05, "{fastest} m/s after {} s", w.time());
+    }
+    let gain = w.energy().total() - e0;
+    assert!(gain < 1.0, "{gain} J");
+}
+
+/// Rods and ropes solved row by row were quarantined in their first step: the damper across a rod that takes no part has infinite
+/// compliance, and infinity times no impulse is no number.
+#[test]
+fn rods_and_ropes_hang_row_by_row_too() {
+    for rope in [false, true] {
+        let mut w = world();
+        let hook = anchor(&mut w);
+        let a = ball(&mut w, [1.0, 0.0, 0.0], 0.1, 1.0);
+        let b = ball(&mut w, [2.0, 0.0, 0.0], 0.1, 1.0);
+        let points = [(hook, a, 0.0), (a, b, 1.0)];
+        for (from, to, x) in points {
+            let (p, q) = ([x, 0.0, 0.0], [x + 1.0, 0.0, 0.0]);
+            let d = if rope { JointDesc::rope(from, to, p, q, 1.0) } else { JointDesc::rod(from, to, p, q) };
+            w.add_joint(d.solver(JointSolver::Iterative)).unwrap();
+        }
+        let mut stretch = 0.0;
+        for _ in 0..300 {
+            w.step().unwrap();
+            let told = w.events().iter().any(|e| matches!(e, Event::Quarantine { .. }));
+            assert!(!told, "quarantined");
+            stretch = w.joints().map(|j| w.joint(j).unwrap().gap()).fold(stretch, f32s::max);
+        }
+        // Soft rows of 60 Hz under a few times the weight: c = F/(m (2π f)²), some 0.3 mm a rod, more at the bottom of the swing.
+        assert!(stretch < 0.02, "{stretch}");
+        assert!(w.body(b).unwrap().position().length() > 1.0);
+    }
 }
 
 #[test]

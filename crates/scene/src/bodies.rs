@@ -397,8 +397,8 @@ fn grid(r: &RepeatSpec, shapes: u64, census: &mut Census) -> Checked<Vec<Place>>
     };
     let places = cells().enumerate().map(|(m, c)| {
         let [i, j, k] = c.map(|x| x as f64);
-        let step = r.step;
-        let position = DVec3::new((i + lean_x * j) * step[0], j * step[1], (k + lean_z * j) * step[2]);
+        let cell = [i + lean_x * j, j, k + lean_z * j];
+        let position = DVec3::from_array(r.count.shift(cell, r.step));
         let rotation = if turn == [0.0; 3] { Quat::IDENTITY } else { euler(turn.map(|a| a * m as f32)) };
         jittered(r, m as u64, Place { position, rotation, ..Place::HERE })
     });

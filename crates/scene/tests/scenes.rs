@@ -13,7 +13,7 @@ fn root() -> PathBuf {
 }
 
 fn files() -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> = ["scenes", "scenes/course", "scenes/outside"]
+    let mut all: Vec<PathBuf> = ["scenes", "scenes/course", "scenes/joints", "scenes/outside"]
         .iter()
         .filter_map(|folder| std::fs::read_dir(root().join(folder)).ok())
         .flat_map(|entries| entries.map(|e| e.expect("a folder that can be listed").path()))

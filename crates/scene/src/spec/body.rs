@@ -93,11 +93,12 @@ pub struct MassPropertiesSpec {
     pub inertia: Vec<f32>,
 }
 
-/// Copies on a grid: copy (i, j, k) is shifted by (i, j, k) times `step`, x fastest.
+/// Copies on a grid: copy (i, j, k) is shifted by (i, j, k) times `step`, x fastest. With a single number as `count` they are
+/// a row: copy i is shifted by i times the whole `step`.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RepeatSpec {
-    /// Number of copies, along x or along x, y, z.
+    /// Number of copies, in a row or along x, y, z.
     pub count: Count,
     /// Distance of neighbours, m.
     pub step: [f64; 3],

@@ -88,13 +88,13 @@ pub struct JointFrameSpec {
     pub rotation: Option<[f32; 4]>,
 }
 
-/// Copies of a joint: copy (i, j, k), x fastest, has its world points shifted by (i, j, k) times `step`, and in place of
+/// Copies of a joint: copy (i, j, k), x fastest, has its world points shifted as copies of bodies are, and in place of
 /// `name[n]` it joins `name[n + (i, j, k) · a_step]` (for `b`: `b_step`). A bare name is the same body in all copies. A gear
 /// numbers its two joints so.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointRepeatSpec {
-    /// Number of copies, along x or along x, y, z.
+    /// Number of copies, in a row or along x, y, z.
     pub count: Count,
     /// Distance of neighbours, m. Default [0, 0, 0].
     pub step: Option<[f64; 3]>,

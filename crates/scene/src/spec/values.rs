@@ -148,6 +148,14 @@ impl Spacing {
 }
 
 impl Count {
+    /// How far copy (i, j, k) is moved: a single number makes a row along the whole of `step`.
+    pub fn shift(self, cell: [f64; 3], step: [f64; 3]) -> [f64; 3] {
+        let [i, j, k] = match self {
+            Self::One(_) => [cell[0]; 3],
+            Self::Each(_) => cell,
+        };
+        [i * step[0], j * step[1], k * step[2]]
+    }
     /// Number along each axis.
     pub fn each(self) -> [u64; 3] {
         match self {

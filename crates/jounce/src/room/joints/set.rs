@@ -419,7 +419,7 @@ impl Solve {
             let c = limited(row.c, k.correct * k.h);
             if self.yields(i) {
                 // A damper: once per substep it takes −λ/compliance.
-                *r = if sweep == Sweep::Solve {
+                *r = if sweep == Sweep::Solve && self.give_way[i] < f32::INFINITY {
                     f64::from(v + self.give_way[i] * self.lambda[i])
                 } else {
                     0.0
@@ -635,8 +635,11 @@ impl JointSet {
         for s in &mut self.joints {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
             if sweep == Sweep::Solve {
+                // A rope that held stays a candidate, though the velocities do not yet stretch it: in a cable they are those of
+                // free fall, alike at both its ends. The sign of its own pull lets it go.
+                let held = s.active && s.sign * s.hard.rows[0].c < TAUT_SPEED * k.h;
                 s.active = true;
-                if s.sign != 0.0 {
+                if s.sign != 0.0 && !held {
                     let ahead = s.ahead(&joints.table[s.id], a, b, k);
                     s.active = s.sign * ahead.rows[0].c < 0.0;
                 }
@@ -940,6 +943,8 @@ const HARD: usize = 6;
 /// Blocks below the diagonal per joint up to which a set is solved directly by itself, and where that is asked for.
 const FILL_AUTO: usize = 6;
 const FILL_ASKED: usize = 64;
+/// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
+const TAUT_SPEED: f32 = 0.1;
 /// Rounds in which one-sided rows are dropped.
 const ROUNDS: usize = 4;
 
