@@ -15,6 +15,7 @@ use jounce::{
     AxisDesc, BallDesc, BallMotor, BodyId, JointDesc, JointId, JointKind, LimitDesc, MotorDesc, MotorTarget,
     PathDesc, SpringDesc,
 };
+use std::f32::consts::PI;
 
 /// The kinds that an entry gives.
 pub(super) struct Kinds<'a> {
@@ -310,7 +311,7 @@ fn ball(s: &BallJointSpec) -> Checked<JointKind> {
         return Err(Wrong::new(format!("is {c}"), "0 to 180 degrees").key("cone_deg"));
     }
     let twist = s.twist.as_ref().map(|t| limit(t, true)).transpose().key("twist")?;
-    if twist.is_some_and(|t| t.min < -3.1416 || t.max > 3.1416) {
+    if twist.is_some_and(|t| t.min < -PI || t.max > PI) {
         return Err(Wrong::new("goes beyond half a turn", "within ±180 degrees").key("twist"));
     }
     Ok(JointKind::Ball(BallDesc {
