@@ -165,7 +165,7 @@ pub(super) fn kind(k: &Kinds<'_>) -> Checked<(&'static str, JointKind, Measure)>
         }
         Ok(JointKind::Fixed)
     })();
-    let made = made.and_then(|kind| checked(kind)).key(key)?;
+    let made = made.and_then(checked).key(key)?;
     Ok((key, made, m))
 }
 
@@ -203,12 +203,12 @@ pub(super) fn stiffness(s: &StiffnessSpec) -> Checked<SpringDesc> {
 }
 
 /// A coordinate that may be given in degrees where the axis turns; with its key.
-fn coordinate<'k>(
+fn coordinate(
     plain: Option<f32>,
     deg: Option<f32>,
     turns: bool,
-    keys: [&'k str; 2],
-) -> Checked<Option<(f32, &'k str)>> {
+    keys: [&str; 2],
+) -> Checked<Option<(f32, &str)>> {
     match (plain, deg) {
         (Some(_), Some(_)) => Err(Wrong::new(
             format!("given beside `{}`", keys[0]),
