@@ -464,7 +464,7 @@ pub(crate) enum Action {
     SetEmitter(usize, bool),
     Cut(Target),
     SetMotor(Target, NewMotor),
-    SetJoint(Target, JointKind, Measure),
+    SetJoint(Target, Box<JointKind>, Measure),
     EnableJoint(Target, bool),
 }
 
@@ -675,7 +675,9 @@ fn action(
         return set_motor(m, named.joints).map(|(j, m)| Action::SetMotor(j, m)).key("set_motor");
     }
     if let Some(s) = &t.set_joint {
-        return set_joint(s, named.joints).map(|(j, k, m)| Action::SetJoint(j, k, m)).key("set_joint");
+        return set_joint(s, named.joints)
+            .map(|(j, k, m)| Action::SetJoint(j, Box::new(k), m))
+            .key("set_joint");
     }
     if let Some(e) = &t.enable_joint {
         let target = named.joints.resolve(&e.joint).key("joint").key("enable_joint")?;

@@ -362,7 +362,7 @@ impl Simulation {
                 self.each_joint(target, |j, r| Command::SetJoint(j, Box::new(motor.put(r.kind()))))
             }
             Action::SetJoint(target, kind, measure) => self.each_joint(target, |j, r| {
-                let (mut kind, [a, b]) = (kind.clone(), r.anchors());
+                let (mut kind, [a, b]) = ((**kind).clone(), r.anchors());
                 measured(&mut kind, *measure, (b - a).length() as f32);
                 Command::SetJoint(j, Box::new(kind))
             }),

@@ -15,6 +15,7 @@ use jounce::{
     AxisDesc, BallDesc, BallMotor, BodyId, JointDesc, JointId, JointKind, LimitDesc, MotorDesc, MotorTarget,
     PathDesc, SpringDesc,
 };
+use std::f32::consts::PI;
 
 /// The kinds that an entry gives.
 pub(super) struct Kinds<'a> {
@@ -164,7 +165,7 @@ pub(super) fn kind(k: &Kinds<'_>) -> Checked<(&'static str, JointKind, Measure)>
         }
         Ok(JointKind::Fixed)
     })();
-    let made = made.and_then(|kind| checked(kind)).key(key)?;
+    let made = made.and_then(checked).key(key)?;
     Ok((key, made, m))
 }
 
@@ -202,12 +203,12 @@ pub(super) fn stiffness(s: &StiffnessSpec) -> Checked<SpringDesc> {
 }
 
 /// A coordinate that may be given in degrees where the axis turns; with its key.
-fn coordinate<'k>(
+fn coordinate(
     plain: Option<f32>,
     deg: Option<f32>,
     turns: bool,
-    keys: [&'k str; 2],
-) -> Checked<Option<(f32, &'k str)>> {
+    keys: [&str; 2],
+) -> Checked<Option<(f32, &str)>> {
     match (plain, deg) {
         (Some(_), Some(_)) => Err(Wrong::new(
             format!("given beside `{}`", keys[0]),
@@ -310,7 +311,7 @@ fn ball(s: &BallJointSpec) -> Checked<JointKind> {
         return Err(Wrong::new(format!("is {c}"), "0 to 180 degrees").key("cone_deg"));
     }
     let twist = s.twist.as_ref().map(|t| limit(t, true)).transpose().key("twist")?;
-    if twist.is_some_and(|t| t.min < -3.1416 || t.max > 3.1416) {
+    if twist.is_some_and(|t| t.min < -PI || t.max > PI) {
         return Err(Wrong::new("goes beyond half a turn", "within ±180 degrees").key("twist"));
     }
     Ok(JointKind::Ball(BallDesc {

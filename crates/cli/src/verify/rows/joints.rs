@@ -217,7 +217,11 @@ fn bridge() -> Rows {
         (d.linear_damping, d.angular_damping) = (0.4, 0.4);
         let plank = w.add_body(d.shape(ShapeDesc::cuboid([0.47, 0.04, 0.7]).mass(mass)))?;
         // The banks hold points: with hinges there too, the axes would be held twice over and share forces at random.
-        w.add_joint(if k == 0 { JointDesc::ball(last, plank, a) } else { JointDesc::hinge(last, plank, a, Vec3::Z) })?;
+        w.add_joint(if k == 0 {
+            JointDesc::ball(last, plank, a)
+        } else {
+            JointDesc::hinge(last, plank, a, Vec3::Z)
+        })?;
         all.push(plank);
         last = plank;
     }
