@@ -40,7 +40,9 @@ fn scenes() -> Vec<(String, Scene)> {
     files.sort();
     assert!(files.len() >= 15, "only {} scenes", files.len());
     if !prove() {
-        files.retain(|(_, p)| ["cards", "drum", "spray", "tower"].iter().any(|n| p.ends_with(format!("{n}.json"))));
+        files.retain(|(_, p)| {
+            ["cards", "drum", "spray", "tower"].iter().any(|n| p.ends_with(format!("{n}.json")))
+        });
         assert_eq!(files.len(), 4);
     }
     let options = LoadOptions { assets: root().join("../shared/assets") };

@@ -258,6 +258,8 @@ pub struct PathDesc {
 }
 
 /// How two bodies are joined.
+// Descriptions are few and short-lived; boxes would only be in the way of those who write them.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum JointKind {
@@ -578,16 +580,19 @@ fn check_frames(frames: &JointFrames) -> Result<()> {
     }
 }
 
+/// π, and what rounding of degrees may add.
+const HALF_TURN: f32 = core::f32::consts::PI + 1e-5;
+
 pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
     let length = |field, v: f32| check((0.0..=1e6).contains(&v), "joint", field, v, "0 to 1e6 m");
     match kind {
         JointKind::Fixed => Ok(()),
         JointKind::Ball(b) => {
             let cone = b.cone.unwrap_or(0.0);
-            check((0.0..=3.1416).contains(&cone), "ball joint", "cone", cone, "0 to π rad")?;
+            check((0.0..=HALF_TURN).contains(&cone), "ball joint", "cone", cone, "0 to π rad")?;
             if let Some(t) = &b.twist {
                 t.check()?;
-                let ok = t.min >= -3.1416 && t.max <= 3.1416;
+                let ok = t.min >= -HALF_TURN && t.max <= HALF_TURN;
                 check(ok, "ball joint", "twist", [t.min, t.max], "within ±π rad")?;
             }
             b.cone_spring.map_or(Ok(()), |s| s.check())?;
