@@ -750,3 +750,78 @@ fn mortar_holds_a_wall_until_it_is_hit() {
     run(&mut w, 2.0);
     assert_eq!(broken(&w, &joints), 0);
 }
+
+/// Friction only takes: a tree of bodies in free flight whose joints rub never gains energy, whatever the directions.
+#[test]
+fn friction_of_joints_only_takes_energy() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    // They pass through one another: joints alone act.
+    let filter = jounce::Filter { group: -1, ..Default::default() };
+    let mut part = |at: [f64; 3], half: [f32; 3], mass| {
+        let shape = ShapeDesc::cuboid(Vec3::from(half)).mass(mass).filter(filter);
+        w.add_body(BodyDesc::dynamic().at(at).shape(shape)).unwrap()
+    };
+    let hub = part([0.0; 3], [0.3, 0.3, 0.3], 4.0);
+    let (mut tips, mut links) = (Vec::new(), Vec::new());
+    for (i, (x, z)) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)].into_iter().enumerate() {
+        let along = |d: f64| [x * d, 0.0, z * d];
+        let half = if z == 0.0 { [0.25, 0.06, 0.1] } else { [0.1, 0.06, 0.25] };
+        let upper = part(along(0.6), half, 1.0);
+        let lower = part(along(1.2), half, 0.7);
+        links.push((hub, upper, along(0.3), 1.0));
+        links.push((upper, lower, along(0.9), 0.2 * (1.0 + i as f32)));
+        tips.push(lower);
+    }
+    for (a, b, at, friction) in links {
+        let kind = JointKind::Ball(jounce::BallDesc { friction, ..Default::default() });
+        w.add_joint(JointDesc::ball(a, b, at).kind(kind)).unwrap();
+    }
+    w.add_impulse(tips[0], Vec3::new(0.1, 1.5, 0.8), None).unwrap();
+    w.add_impulse(tips[1], Vec3::new(0.5, 0.3, -1.2), None).unwrap();
+    w.add_angular_impulse(tips[2], Vec3::new(0.05, 0.03, 0.08)).unwrap();
+    w.add_angular_impulse(hub, Vec3::new(0.0, 1.5, 0.0)).unwrap();
+    let (before, start) = (w.momentum(), w.energy().kinetic);
+    let (mut last, mut gained) = (start, 0.0);
+    for _ in 0..600 {
+        w.step().unwrap();
+        let now = w.energy().kinetic;
+        gained += f64s::max(now - last, 0.0);
+        last = now;
+    }
+    let l = (w.momentum().angular - before.angular).length() / before.angular.length();
+    println!("{start:.2} J to {last:.2} J, gained {gained:.2e} on the way, ΔL {l:.1e}");
+    // Rounding alone.
+    assert!(gained < 1e-5 * start && l < 1e-5, "{gained} of {start}, {l}");
+    assert!(last < 0.9 * start, "it rubs");
+}
+
+/// Chains on a motor's arms come to its speed and swing outward, friction in their joints or not; a strong motor is not outrun.
+#[test]
+fn a_motor_is_not_outrun_by_friction() {
+    for friction in [0.0, 1.0, 4.0] {
+        let mut w = world();
+        let wall = anchor(&mut w);
+        let wheel = rod_body(&mut w, [0.0; 3], [2.0, 0.1, 0.3], 50.0);
+        let motor = MotorDesc::velocity(1.237, 4000.0);
+        w.add_joint(JointDesc::hinge(wall, wheel, [0.0; 3], Vec3::Y).motor(motor)).unwrap();
+        for x in [-2.0, 2.0] {
+            let mut last = wheel;
+            for i in 0..5 {
+                let y = -0.3 * f64::from(i);
+                let link = rod_body(&mut w, [x, y - 0.15, 0.0], [0.03, 0.15, 0.03], 0.3);
+                let ball = jounce::BallDesc { friction: friction / f32::from(1 + i as u8), ..Default::default() };
+                w.add_joint(JointDesc::ball(last, link, [x, y, 0.0]).kind(JointKind::Ball(ball))).unwrap();
+                last = link;
+            }
+            let seat = ball(&mut w, [x, -1.7, 0.0], 0.2, 20.0);
+            w.add_joint(JointDesc::ball(last, seat, [x, -1.5, 0.0])).unwrap();
+        }
+        let mut fastest = 0.0;
+        for _ in 0..900 {
+            w.step().unwrap();
+            fastest = f32s::max(fastest, w.body(wheel).unwrap().angular_velocity().y);
+        }
+        let now = w.body(wheel).unwrap().angular_velocity().y;
+        assert!(fastest < 1.237 + 1e-3 && now > 1.2, "friction {friction}: at most {fastest}, in the end {now}");
+    }
+}

@@ -13,7 +13,7 @@
 
 use super::desc::{AxisDesc, LimitDesc, MotorTarget, SpringDesc};
 use super::rows::Row;
-use super::set::Constants;
+use super::set::{Constants, TOUCH};
 use jounce_math::{Vec3, scalar::f32s};
 
 /// What a row is for.
@@ -48,6 +48,8 @@ pub(crate) struct Extra {
     pub ib: Vec3,
     pub mass: f32,
     pub impulse: f32,
+    /// The same as the rounds of the active set begin.
+    pub before: f32,
     /// Holds in the direct solve.
     pub acts: bool,
 }
@@ -60,7 +62,7 @@ pub(crate) struct Extras<'a> {
 impl Extras<'_> {
     pub fn push(&mut self, row: Row, duty: Duty) {
         let (ia, ib) = (Vec3::ZERO, Vec3::ZERO);
-        self.list.push(Extra { row, duty, ia, ib, mass: 0.0, impulse: 0.0, acts: false });
+        self.list.push(Extra { row, duty, ia, ib, mass: 0.0, impulse: 0.0, before: 0.0, acts: false });
     }
     /// All that an axis has; `row.c` is its coordinate.
     pub fn axis(&mut self, axis: &AxisDesc, row: Row) {
@@ -70,14 +72,15 @@ impl Extras<'_> {
         if let Some((rest, spring)) = axis.spring {
             self.push(row, Duty::Spring { rest, velocity: 0.0, spring, max: f32::INFINITY });
         }
+        // The direct solve drops the later of two rows that say the same: an end goes before what only brakes.
+        if let Some(limit) = axis.limit {
+            self.push(row, Duty::Limit(limit));
+        }
         if let Some(m) = axis.motor {
             self.push(row, Duty::motor(m.target, m.max_force));
         }
         if axis.friction > 0.0 {
             self.push(row, Duty::Speed { speed: 0.0, max: axis.friction });
-        }
-        if let Some(limit) = axis.limit {
-            self.push(row, Duty::Limit(limit));
         }
     }
 }
@@ -121,6 +124,9 @@ pub(crate) fn gains(spring: &SpringDesc, m: f32, h: f32) -> (f32, f32) {
     ((one_less * one_less + bend) / h, b)
 }
 
+/// Slip that is rounding, m/s or rad/s.
+const SLOW: f32 = 1e-5;
+
 /// Which pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sweep {
@@ -150,12 +156,11 @@ pub(crate) fn push(x: &mut Extra, speed: f32, sweep: Sweep, h: f32, push_out: f3
             let most = max * h;
             x.impulse = f32s::clamp(-x.mass * (a * (x.row.c - rest) + b * (speed - velocity)), -most, most);
         }
-        Duty::Limit(LimitDesc { min, max, spring }) => {
-            let (low, high) = (x.row.c - min, max - x.row.c);
-            let sign = if low < high { 1.0 } else { -1.0 };
-            let (gap, toward) = if low < high { (low, speed) } else { (high, -speed) };
+        Duty::Limit(l) => {
+            let (sign, gap) = x.end(&l);
+            let toward = sign * speed;
             let pushed = sign * old;
-            let new = match spring {
+            let new = match l.spring {
                 Some(_) if sweep == Sweep::Relax => return 0.0,
                 Some(spring) if gap < 0.0 => {
                     if old != 0.0 {
@@ -202,6 +207,19 @@ impl Extra {
                 if sweep == Sweep::Relax { v } else { v + sign * f32s::max(gap / k.h, -k.push_out) }
             }
             Duty::Spring { .. } => 0.0,
+        }
+    }
+    /// A row that gives all it can, or nothing, has to hold again at the speed `v`: friction never pushes the way it slides, and an end
+    /// is not passed.
+    pub fn must_act(&self, v: f32, k: &Constants, sweep: Sweep) -> bool {
+        match &self.duty {
+            Duty::Speed { speed, .. } => self.impulse * (v - speed) > 0.0 && (v - speed).abs() > SLOW,
+            Duty::Limit(l) => {
+                let (sign, gap) = self.end(l);
+                let reach = if sweep == Sweep::Relax { f32s::max(gap, 0.0) } else { gap };
+                reach + k.h * sign * v < -TOUCH
+            }
+            Duty::Spring { .. } => false,
         }
     }
     /// The nearest impulse that it can give in a substep.

@@ -57,6 +57,8 @@ pub(crate) struct Local {
     added_inertia: Mat3,
     /// Σ of the pass, f64: impulses of a heavy load through light links cancel to a millionth.
     dv: [f64; 6],
+    /// Velocities that the rounds of the active set start from.
+    before: [Vec3; 2],
 }
 
 impl Local {
@@ -76,6 +78,7 @@ impl Local {
             inertia: None,
             added_inertia: Mat3::ZERO,
             dv: [0.0; 6],
+            before: [Vec3::ZERO; 2],
         }
     }
     /// Keeps of what tension would add only what explicit motion cannot stand.
@@ -141,6 +144,7 @@ pub(crate) struct Solve {
     count: usize,
     /// Impulses of this substep on the rows that hold.
     pub lambda: [f32; HARD],
+    before: [f32; HARD],
     pub coordinate: f32,
     /// The coordinate is a length, not an angle.
     pub slides: bool,
@@ -215,6 +219,7 @@ impl Solve {
             packed: [0; ROWS],
             count: 0,
             lambda: [0.0; HARD],
+            before: [0.0; HARD],
             coordinate: 0.0,
             slides: false,
             rod: false,
@@ -701,53 +706,96 @@ impl JointSet {
         }
     }
 
-    /// Solves; ends that would pull and ropes that would push drop out, motors that are too weak give all they have; hands the
-    /// impulses out.
+    /// Active set. Each round starts from the same velocities: rows that hold are solved for and handed out on trial; rows beyond
+    /// what they can give stay at that, those that would have to act again do; until nothing changes. Errors ahead are not linear
+    /// in the velocities, so those that a rejected trial leads to are never looked at.
     fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
         self.activate(joints, k, sweep);
-        for round in 0..ROUNDS {
+        self.mark();
+        for round in 1..=ROUNDS {
             self.joints.iter_mut().for_each(|s| s.pack(sweep));
             self.residuals(joints, k, sweep, first);
             self.factor();
             let Some(plan) = &self.plan else { return };
             plan.solve(&mut self.numbers);
-            let mut wrong = false;
-            for (i, s) in self.joints.iter_mut().enumerate() {
-                for r in 0..s.count {
-                    let c = usize::from(s.packed[r]);
-                    let lambda = plan.get(&self.numbers, i, r);
-                    if c == 0 && s.sign != 0.0 && (f64::from(s.lambda[0]) + lambda) * f64::from(s.sign) < 0.0
-                    {
-                        s.active = false;
-                        wrong = true;
-                    }
-                    if c < HARD {
-                        continue;
-                    }
-                    let x = &mut s.extra[c - HARD];
-                    let total = (f64::from(x.impulse) + lambda) as f32;
-                    let allowed = x.allowed(total, k.h);
-                    if allowed != total {
-                        x.acts = false;
-                        wrong = true;
-                        let d = allowed - x.impulse;
-                        x.impulse = allowed;
-                        give_extra(x, &mut self.bodies, s.a, s.b, d);
-                    }
+            self.hand_out();
+            if round == ROUNDS || !self.correct(joints, k, sweep, 2 * round <= ROUNDS) {
+                return;
+            }
+            self.rewind();
+        }
+    }
+
+    /// Remembers where the rounds start from.
+    fn mark(&mut self) {
+        self.bodies.iter_mut().for_each(|b| b.before = [b.m.v, b.m.w]);
+        for s in &mut self.joints {
+            s.before = s.lambda;
+            s.extra.iter_mut().for_each(|x| x.before = x.impulse);
+        }
+    }
+
+    /// Back to where the rounds started from, but for the rows that are held at what they can give.
+    fn rewind(&mut self) {
+        let bodies = &mut self.bodies;
+        bodies.iter_mut().for_each(|b| [b.m.v, b.m.w] = b.before);
+        for s in &mut self.joints {
+            if s.active || s.sign == 0.0 {
+                s.lambda = s.before;
+            } else {
+                s.lambda[1..].copy_from_slice(&s.before[1..]);
+                s.give(bodies, 0, s.lambda[0] - s.before[0]);
+            }
+            for x in &mut s.extra {
+                if x.acts {
+                    x.impulse = x.before;
+                } else {
+                    give_extra(x, bodies, s.a, s.b, x.impulse - x.before);
                 }
             }
-            if !wrong {
-                break;
+        }
+    }
+
+    /// Holds rows back at what they can give, or lets rows act again; true where that changes anything. Motors and friction go first:
+    /// while one that is too weak stands in, an end beside it seems to pull. The last rounds let none in, so that they end.
+    fn correct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, early: bool) -> bool {
+        self.hold_back(k, |d| matches!(d, Duty::Speed { .. }))
+            || self.hold_back(k, |d| matches!(d, Duty::Limit(_)))
+            || (early && self.let_in(joints, k, sweep))
+    }
+
+    fn hold_back(&mut self, k: &Constants, which: impl Fn(&Duty) -> bool) -> bool {
+        let mut changed = false;
+        for s in &mut self.joints {
+            for x in s.extra.iter_mut().filter(|x| x.acts && which(&x.duty)) {
+                let allowed = x.allowed(x.impulse, k.h);
+                if allowed != x.impulse {
+                    (x.impulse, x.acts, changed) = (allowed, false, true);
+                }
             }
-            if round + 1 == ROUNDS {
-                self.joints.iter_mut().for_each(|s| s.pack(sweep));
-                self.residuals(joints, k, sweep, first);
-                self.factor();
-                let Some(plan) = &self.plan else { return };
-                plan.solve(&mut self.numbers);
+            // Ropes pull and struts push, like ends.
+            if which(&ENDS) && s.active && s.sign * s.lambda[0] < 0.0 {
+                (s.lambda[0], s.active, changed) = (0.0, false, true);
             }
         }
-        self.hand_out();
+        changed
+    }
+
+    fn let_in(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) -> bool {
+        let mut changed = false;
+        for s in &mut self.joints {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            let taken = s.taken();
+            for x in s.extra[..taken].iter_mut().filter(|x| !x.acts && x.mass > 0.0 && x.may_hold()) {
+                x.acts = x.must_act(x.row.speed(a, b), k, sweep);
+                changed |= x.acts;
+            }
+            if s.sign != 0.0 && !s.active && s.soft.is_none() && sweep == Sweep::Solve {
+                s.active = s.sign * s.ahead(&joints.table[s.id], a, b, k).rows[0].c < -TOUCH;
+                changed |= s.active;
+            }
+        }
+        changed
     }
 
     fn hand_out(&mut self) {
@@ -945,8 +993,12 @@ const FILL_AUTO: usize = 6;
 const FILL_ASKED: usize = 64;
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 const TAUT_SPEED: f32 = 0.1;
-/// Rounds in which one-sided rows are dropped.
-const ROUNDS: usize = 4;
+/// Rounds of the active set.
+const ROUNDS: usize = 8;
+/// How far beyond an end counts, m or rad.
+pub(super) const TOUCH: f32 = 1e-6;
+/// Stands for all ends.
+const ENDS: Duty = Duty::Limit(LimitDesc::new(0.0, 0.0));
 
 /// Ends and motors of a kind that may hold.
 fn extra_count(kind: &JointKind) -> usize {
