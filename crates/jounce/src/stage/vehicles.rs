@@ -10,7 +10,7 @@ use crate::room::rigid::state::{InvInertia, NONE};
 use crate::room::vehicles::board::STATIONS;
 use crate::room::vehicles::desc::WheelCast;
 use crate::room::vehicles::solve::{self, Foot, KAPPA_MIN, Mover, Numbers, Plane, Run};
-use crate::room::vehicles::state::Vehicle;
+use crate::room::vehicles::state::{Carried, Vehicle};
 use crate::world::World;
 use jounce_geometry::Shape;
 use jounce_math::{DVec3, Quat, Vec3, WorldPose};
@@ -210,7 +210,10 @@ fn begin(world: &World, v: &mut Vehicle, run: &mut Run, casts: &[Cast]) {
     run.wheels.clear();
     run.stations.clear();
     (run.up, run.forward) = (q.rotate(v.desc.up), q.rotate(v.desc.forward));
-    run.origin = frame.center;
+    (run.origin, run.rotation) = (frame.center, q);
+    // A jump since the last step is none of the wheels' doing.
+    let same = |c: &Carried| (c.center - frame.center).length() < 1e-9 && c.rotation == q;
+    v.carried = v.carried.filter(same);
     run.mass = world.bodies[v.chassis].mass.mass;
     run.gravity = world.gravity * world.bodies[v.chassis].gravity_scale;
     run.chassis.m = world.awake.state[run.chassis.row as usize].get();
@@ -325,6 +328,12 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
             v.forget();
         }
         shift(v, step.dt);
+        // From here on the chassis stands where its frame says.
+        let frame = &world.frames[v.chassis as usize];
+        if let Some(c) = &mut v.carried {
+            c.angular += (frame.center - c.center).as_vec3().cross(c.linear) * -1.0;
+            (c.center, c.rotation) = (frame.center, frame.rotation);
+        }
         let standing = run.wheels.iter().chain(&run.stations).filter_map(|f| f.plane);
         let carried = standing.into_iter().any(|p| {
             let g = &run.grounds[p.ground];

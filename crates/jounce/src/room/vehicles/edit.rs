@@ -46,6 +46,7 @@ impl World {
             throttle: 1.0,
             clutch: 0.0,
             locked: Vec::new(),
+            carried: None,
             jumped: false,
             desc: d,
         };

@@ -16,7 +16,7 @@
 //! What the mass counts. The chassis' mass and inertia are those of the whole vehicle with its wheels at rest; a wheel's own mass m moves
 //! within it: m u d is momentum *on top*. So weight, load transfer m a h/L and all that moves the vehicle as a whole are exact.
 //!
-//! Left out: camber thrust and aligning torque, gyroscopic torque of wheels and engine, anti-dive geometry, temperature and wear.
+//! Left out: camber thrust and aligning torque, gyroscopic torque of the engine, anti-dive geometry, temperature and wear.
 //!
 //! Sources: Pacejka, Tyre and Vehicle Dynamics, 2012; Milliken & Milliken, Race Car Vehicle Dynamics, 1995; Gillespie, Fundamentals of
 //! Vehicle Dynamics, 1992; Howe, The New Skiing Mechanics, 2001.

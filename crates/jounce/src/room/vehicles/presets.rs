@@ -106,7 +106,7 @@ fn car_like(body: BodyDesc, front_z: f32, rear_z: f32, half_track: f32, w: Wheel
 }
 
 fn slip(slip: f32) -> Option<SlipControlDesc> {
-    Some(SlipControlDesc { slip, rate: 20.0 })
+    Some(SlipControlDesc { slip, rate: 10.0 })
 }
 
 /// A front-wheel drive car: 1,300 kg, wheelbase 2.6 m, automatic gearbox, ABS and traction control. Wheels: front left, front right,
@@ -143,7 +143,7 @@ pub fn car() -> VehicleKit {
         axles: vec![DifferentialDesc { left: 0, right: 1, kind: DifferentialKind::Open, share: 1.0 }],
         center: DifferentialKind::Open,
     });
-    (v.abs, v.traction) = (slip(0.12), slip(0.15));
+    (v.abs, v.traction) = (slip(0.1), slip(0.1));
     let air = AeroSurfaceDesc {
         position: Vec3::new(0.0, 0.5, 0.0),
         drag_area: 0.65,
@@ -268,7 +268,7 @@ pub fn off_road() -> VehicleKit {
         axles: vec![locked(0, 0.5), locked(2, 0.5)],
         center: DifferentialKind::Locked,
     });
-    v.abs = slip(0.15);
+    v.abs = slip(0.1);
     kit
 }
 
@@ -327,7 +327,7 @@ pub fn motorcycle() -> VehicleKit {
         axles: vec![DifferentialDesc { left: 1, right: 1, kind: DifferentialKind::Open, share: 1.0 }],
         center: DifferentialKind::Open,
     });
-    (vehicle.abs, vehicle.traction) = (slip(0.12), slip(0.12));
+    (vehicle.abs, vehicle.traction) = (slip(0.1), slip(0.1));
     vehicle.aero = vec![AeroSurfaceDesc {
         position: Vec3::new(0.0, 0.6, 0.0),
         drag_area: 0.4,

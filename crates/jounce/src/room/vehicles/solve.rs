@@ -10,7 +10,8 @@
 //! M ΔV = Σ P − Σ m Δu d,   I ΔW = Σ r_c × P − Σ r_h × (m Δu d) − Σ I_w ΔΩ a,
 //!
 //! and the ground gets −P: linear and angular momentum, Σ (M V + m u d) and Σ (r × M V + I W + r_h × m u d + I_w Ω a), are kept to
-//! rounding whatever springs, brakes, clutch and engine do inside. Gyroscopic torque of the wheels is left out.
+//! rounding whatever springs, brakes, clutch and engine do inside. As the chassis turns, d and a turn with it; what that changes of the sums is
+//! taken from the chassis at the start of the next substep: the wheels' gyroscopic torque. It cannot run away, since the sums stay.
 //!
 //! All wheels are solved from the same state and then applied at once, so left and right are alike to the bit. A wheel counts with the n-th
 //! part of the chassis (and of what it stands on) where n wheels touch: together they cannot push too far (mass splitting, Tonge,
@@ -20,11 +21,11 @@ use super::board;
 use super::desc::{DifferentialKind, VehicleDesc, VehicleInput};
 use super::engine;
 use super::spin::{Part, Spin};
-use super::state::{Seen, Vehicle, WheelState};
+use super::state::{Carried, Seen, Vehicle, WheelState};
 use super::suspension::{self, Spring, Travel};
-use super::tyre::{self, Patch};
+use super::tyre::{self, Hold, Patch};
 use crate::room::rigid::state::{InvInertia, Motion, NONE, Turning};
-use jounce_math::{DVec3, Vec3, scalar::f32s};
+use jounce_math::{DVec3, Quat, Vec3, scalar::f32s};
 
 /// Least n·up at which a wheel stands on a surface.
 pub(crate) const KAPPA_MIN: f32 = 0.1;
@@ -127,6 +128,8 @@ pub(crate) struct Run {
     pub gravity: Vec3,
     /// Centre of mass as the step began.
     pub origin: DVec3,
+    /// Rotation likewise.
+    pub rotation: Quat,
     pub spin: Spin,
     ahead: Vec<f64>,
     work: Vec<Work>,
@@ -148,6 +151,11 @@ struct Work {
     slide: Vec3,
     spring: Spring,
     push: Vec3,
+    /// Along, across, tread by spin, and the tyre's answer.
+    t: Vec3,
+    b: Vec3,
+    roll: Vec3,
+    held: Hold,
 }
 
 impl Run {
@@ -163,6 +171,7 @@ impl Run {
             mass: 0.0,
             gravity: Vec3::ZERO,
             origin: DVec3::ZERO,
+            rotation: Quat::IDENTITY,
             spin: Spin::default(),
             ahead: Vec::new(),
             work: Vec::new(),
@@ -304,11 +313,24 @@ pub(crate) fn substep(v: &mut Vehicle, run: &mut Run, k: &Numbers) {
 
 fn wheels(v: &mut Vehicle, run: &mut Run, h: f32) {
     let touching = places(v, run);
+    carry_over(v, run);
     travel(v, run, h, touching as f32);
     drive(v, run, h);
     tyres(v, run, h, touching as f32);
     run.spin.roll(&mut v.locked);
     apply(v, run, h);
+    moved(v, run);
+    let (linear, angular) = inside(v, run);
+    v.carried = Some(Carried { linear, angular, center: run.place(Vec3::ZERO), rotation: run.rotation });
+}
+
+/// Hubs after the travels went on.
+fn moved(v: &Vehicle, run: &mut Run) {
+    let (up, _) = run.axes();
+    let q = run.chassis.m.dq;
+    for (i, s) in v.wheels.iter().enumerate() {
+        run.work[i].hub = q.rotate(run.wheels[i].hub) - up * s.s;
+    }
 }
 
 /// Where hubs, patches and ground are now; how many touch.
@@ -466,7 +488,7 @@ fn tyres(v: &mut Vehicle, run: &mut Run, h: f32, share: f32) {
             h,
         };
         let held = tyre::hold(&patch);
-        s.e = held.e;
+        (run.work[i].t, run.work[i].b, run.work[i].roll, run.work[i].held) = (t, b, roll, held);
         let push = t * held.impulse[0] + b * held.impulse[1];
         run.work[i].push = push;
         s.tyre_torque = w.axle.dot(w.rho.cross(push));
@@ -488,13 +510,13 @@ fn tyres(v: &mut Vehicle, run: &mut Run, h: f32, share: f32) {
     traction(v, h);
 }
 
-/// Lets go where the slip is too large.
+/// Lets go where the slip is too large, the faster the larger; takes hold again below.
 fn control(limits: Option<(f32, f32)>, part: &mut f32, slip: f32, h: f32) {
     let Some((most, rate)) = limits else {
         *part = 1.0;
         return;
     };
-    *part = f32s::clamp(*part + if slip > most { -rate * h } else { rate * h }, 0.0, 1.0);
+    *part = f32s::clamp(*part + rate * h * f32s::clamp(1.0 - slip / most, -3.0, 1.0), 0.0, 1.0);
 }
 
 fn traction(v: &mut Vehicle, h: f32) {
@@ -540,6 +562,34 @@ fn apply(v: &mut Vehicle, run: &mut Run, h: f32) {
     }
     run.chassis.push(Vec3::ZERO, linear);
     run.chassis.turn(angular);
+    for (i, s) in v.wheels.iter_mut().enumerate() {
+        let w = run.work[i];
+        if w.touches && w.spring.tyre > 0.0 {
+            let slip = run.over(w.arm, &w.now) + w.roll * s.x - up * s.u;
+            s.e = w.held.deflect(s.e, [slip.dot(w.t), slip.dot(w.b)]);
+        }
+    }
+}
+
+/// Momentum of travels and spins, about the chassis' centre of mass: Σ m u d and Σ r_h × m u d + I_w Ω a.
+fn inside(v: &Vehicle, run: &Run) -> (Vec3, Vec3) {
+    let (up, _) = run.axes();
+    let (mut p, mut l) = (Vec3::ZERO, Vec3::ZERO);
+    for ((w, s), d) in run.work.iter().zip(&v.wheels).zip(&v.desc.wheels) {
+        let down = up * (-d.mass * s.u);
+        p += down;
+        l += w.hub.cross(down) + w.axle * (d.inertia * s.x);
+    }
+    (p, l)
+}
+
+/// What turned since the last substep is taken from the chassis: gyroscopic torque of the wheels, and its like for travel.
+fn carry_over(v: &Vehicle, run: &mut Run) {
+    let Some(c) = v.carried else { return };
+    let (p, l) = inside(v, run);
+    let way = (run.place(Vec3::ZERO) - c.center).as_vec3();
+    run.chassis.push(Vec3::ZERO, c.linear - p);
+    run.chassis.turn(c.angular - l - way.cross(p));
 }
 
 /// Within a turn.

@@ -8,8 +8,9 @@
 //!
 //! S λ = target − C (x + M⁻¹ τ),  S = C M⁻¹ Cᵀ,  x′ = x + M⁻¹ (τ + Cᵀ λ);
 //!
-//! those that slip push with their cap against the slip. One that would not stop within its cap slips; one whose λ went beyond it
-//! slips from the next substep on. So clutch, brakes and differentials stick and slide as Coulomb's law has it, and a stiff drive-line has no
+//! those that slip push with their cap against the slip. One that would not stop within its cap slips, and so does one that would need
+//! more than its cap to hold, with the tyres' impulses of the last substep: the set of those that hold is found by letting go, round by
+//! round. So clutch, brakes and differentials stick and slide as Coulomb's law has it, and a stiff drive-line has no
 //! spring to blow up. The tyres come after with the inverse inertia B = M⁻¹ − M⁻¹ Cᵀ S⁻¹ C M⁻¹ of what holds together: a wheel in gear
 //! feels the engine's inertia.
 //!
@@ -144,13 +145,48 @@ impl Spin {
                 self.tau[i] += self.rows[k * self.n + i] * push;
             }
         }
-        if self.held != *locked {
-            self.factor(locked);
+        // At least one lets go in each round.
+        for _ in 0..=m {
+            if self.held != *locked {
+                self.factor(locked);
+            }
+            if !self.let_go(locked, ahead) {
+                break;
+            }
         }
         for i in 0..self.n {
             self.x[i] += self.inv[i] * self.tau[i];
         }
         self.hold();
+    }
+
+    /// Lets go of couplings that would have to hold more than they can; did any?
+    fn let_go(&mut self, locked: &mut [bool], ahead: &[f64]) -> bool {
+        if !self.active.iter().any(|&k| self.cap[k] < f64::INFINITY) {
+            return false;
+        }
+        self.column.clear();
+        self.column.extend_from_slice(&self.x);
+        for i in 0..self.n {
+            self.x[i] += self.inv[i] * (self.tau[i] + ahead[i]);
+        }
+        self.multipliers();
+        core::mem::swap(&mut self.x, &mut self.column);
+        let mut any = false;
+        for a in 0..self.active.len() {
+            let (k, push) = (self.active[a], self.lambda[a]);
+            if push.abs() <= self.cap[k] {
+                continue;
+            }
+            any = true;
+            locked[k] = false;
+            let push = if push > 0.0 { self.cap[k] } else { -self.cap[k] };
+            self.total[k] = push;
+            for i in 0..self.n {
+                self.tau[i] += self.rows[k * self.n + i] * push;
+            }
+        }
+        any
     }
 
     /// The tyres' impulses in `tau`; then who lets go.
@@ -168,6 +204,18 @@ impl Spin {
 
     /// Puts `x` where the couplings that hold want it.
     fn hold(&mut self) {
+        self.multipliers();
+        for a in 0..self.active.len() {
+            let (k, push) = (self.active[a], self.lambda[a]);
+            self.total[k] += push;
+            for i in 0..self.n {
+                self.x[i] += self.inv[i] * self.rows[k * self.n + i] * push;
+            }
+        }
+    }
+
+    /// λ of those that hold, for `x` as it is.
+    fn multipliers(&mut self) {
         let m = self.active.len();
         for a in 0..m {
             let k = self.active[a];
@@ -183,13 +231,6 @@ impl Spin {
                 sum -= self.l[b * m + a] * self.lambda[b];
             }
             self.lambda[a] = if self.d[a] > 0.0 { sum } else { 0.0 };
-        }
-        for a in 0..m {
-            let (k, push) = (self.active[a], self.lambda[a]);
-            self.total[k] += push;
-            for i in 0..self.n {
-                self.x[i] += self.inv[i] * self.rows[k * self.n + i] * push;
-            }
         }
     }
 
@@ -301,6 +342,23 @@ mod tests {
         s.drive(&mut locked, &[0.0; 3]);
         assert!((s.x[1] - 2.75).abs() < 1e-12 && (s.x[2] - 1.25).abs() < 1e-12, "{:?}", s.x);
         assert!(!locked[1]);
+    }
+
+    #[test]
+    fn many_weak_brakes_on_one_track_let_go_together() {
+        let mut s = Spin::default();
+        s.begin(4);
+        s.inv.extend([0.0, 1.0, 1.0, 1.0]);
+        s.couple(Part::Track, 0.0, &[(1, 1.0), (2, -1.0)]);
+        s.couple(Part::Track, 0.0, &[(2, 1.0), (3, -1.0)]);
+        (0..3).for_each(|i| s.couple(Part::Brake(i), 0.0, &[(i + 1, 1.0)]));
+        s.ready();
+        s.cap.copy_from_slice(&[f64::INFINITY, f64::INFINITY, 1.0, 1.0, 1.0]);
+        let mut locked = [true; 5];
+        s.tau[1] = 6.0;
+        s.drive(&mut locked, &[0.0; 4]);
+        // 6 − 3 N m s on 3 kg m².
+        assert!(s.x[1..].iter().all(|x| (x - 1.0).abs() < 1e-9), "{:?}", s.x);
     }
 
     #[test]

@@ -72,6 +72,15 @@ impl WheelState {
     }
 }
 
+/// Momentum of travels and spins as the last substep left it, and where and how the chassis was (so that a jump of it is seen).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Carried {
+    pub linear: Vec3,
+    pub angular: Vec3,
+    pub center: DVec3,
+    pub rotation: Quat,
+}
+
 /// A vehicle.
 #[derive(Clone, Debug)]
 pub(crate) struct Vehicle {
@@ -91,6 +100,7 @@ pub(crate) struct Vehicle {
     pub clutch: f32,
     /// Which couplings hold.
     pub locked: Vec<bool>,
+    pub carried: Option<Carried>,
     /// The jump was asked for already.
     pub jumped: bool,
 }
@@ -106,7 +116,7 @@ impl Vehicle {
         }
         self.engine = self.idle();
         self.locked.fill(false);
-        (self.throttle, self.clutch) = (1.0, 0.0);
+        (self.throttle, self.clutch, self.carried) = (1.0, 0.0, None);
     }
     /// Adds the momentum of its wheels on their travels and about their axles.
     pub fn add_momentum(&self, f: &BodyFrame, p: &mut Momentum) {
@@ -164,6 +174,12 @@ impl Vehicles {
             h.floats(s.left_s, s.since_s);
             v.locked.iter().for_each(|&l| h.pair(u32::from(l), 10));
             v.feet().for_each(|w| hash_wheel(h, w));
+            if let Some(c) = &v.carried {
+                h.vec3(c.linear);
+                h.vec3(c.angular);
+                h.dvec3(c.center);
+                h.quat(c.rotation);
+            }
         }
     }
 }

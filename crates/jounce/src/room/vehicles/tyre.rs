@@ -48,11 +48,30 @@ pub(crate) struct Patch {
     pub h: f32,
 }
 
-/// Impulse of the patch on the wheel, and its deflection after.
+/// Impulse of the patch on the wheel, and how it will deflect.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Hold {
     pub impulse: [f32; 2],
-    pub e: [f32; 2],
+    /// E and β.
+    keep: f32,
+    beta: f32,
+    /// K, and the size of K e at which all slides.
+    k: [f32; 2],
+    limit: f32,
+}
+
+impl Hold {
+    /// e′, given the velocity that came out of all impulses. (With that of this wheel's own A, which knows of the others only by their
+    /// number, a parked car would creep.)
+    pub fn deflect(&self, e: [f32; 2], v: [f32; 2]) -> [f32; 2] {
+        let e = [self.keep * e[0] + self.beta * v[0], self.keep * e[1] + self.beta * v[1]];
+        let n = size([self.k[0] * e[0], self.k[1] * e[1]]);
+        if n > self.limit { [e[0] * (self.limit / n), e[1] * (self.limit / n)] } else { e }
+    }
+}
+
+fn size(w: [f32; 2]) -> f32 {
+    (w[0] * w[0] + w[1] * w[1]).sqrt()
 }
 
 /// f(z)/(3z).
@@ -92,7 +111,6 @@ pub(crate) fn hold(p: &Patch) -> Hold {
     // Q A.
     let m = [q[0] * p.a[0], q[0] * p.a[1], q[1] * p.a[2], q[1] * p.a[3]];
     let limit = 3.0 * most / p.h;
-    let size = |w: [f32; 2]| (w[0] * w[0] + w[1] * w[1]).sqrt();
     let mut g = secant(size(w0) / limit);
     let mut w = w0;
     for _ in 0..4 {
@@ -117,23 +135,14 @@ pub(crate) fn hold(p: &Patch) -> Hold {
     if n > most {
         j = [j[0] * (most / n), j[1] * (most / n)];
     }
-    let v = [
-        p.v[0] + p.a[0] * j[0] + p.a[1] * j[1],
-        p.v[1] + p.a[2] * j[0] + p.a[3] * j[1],
-    ];
-    let mut e = [keep * p.e[0] + beta * v[0], keep * p.e[1] + beta * v[1]];
-    let n = size([k[0] * e[0], k[1] * e[1]]);
-    if n > limit {
-        e = [e[0] * (limit / n), e[1] * (limit / n)];
-    }
-    Hold { impulse: j, e }
+    Hold { impulse: j, keep, beta, k, limit }
 }
 
 /// μ at a slip: the static one until all of the patch slides, then towards the kinetic one as what slides grows.
 pub(crate) fn friction([fixed, sliding]: [f32; 2], v: [f32; 2], speed: f32, c: [f32; 2], load: f32) -> f32 {
     let s = 1.0 / f32s::max(speed, 1.0);
     let w = [c[0] * v[0] * s, c[1] * v[1] * s];
-    let z = (w[0] * w[0] + w[1] * w[1]).sqrt() / f32s::max(3.0 * fixed * load, 1e-6);
+    let z = size(w) / f32s::max(3.0 * fixed * load, 1e-6);
     if z <= 1.0 { fixed } else { sliding + (fixed - sliding) / z }
 }
 
@@ -164,7 +173,7 @@ mod tests {
             let mut out = Hold::default();
             for _ in 0..200 {
                 out = hold(&p);
-                p.e = out.e;
+                p.e = out.deflect(p.e, p.v);
             }
             let z = f32s::min(60_000.0 * slip / (3.0 * 4000.0), 1.0);
             let want = 4000.0 * z * (3.0 - 3.0 * z + z * z);
@@ -183,7 +192,7 @@ mod tests {
         let mut out = Hold::default();
         for _ in 0..steps {
             out = hold(&p);
-            p.e = out.e;
+            p.e = out.deflect(p.e, p.v);
         }
         let part = -out.impulse[1] / p.h / (60_000.0 * 0.001);
         assert!((part - 0.632_12).abs() < 5e-3, "{part}");
@@ -212,7 +221,7 @@ mod tests {
             let out = hold(&p);
             let n = (out.impulse[0] * out.impulse[0] + out.impulse[1] * out.impulse[1]).sqrt();
             assert!(n <= p.mu * p.load * 1.000_01, "{n} for {p:?}");
-            assert!(out.e.iter().all(|e| e.is_finite()));
+            assert!(out.deflect(p.e, p.v).iter().all(|e| e.is_finite()));
         }
     }
 }
