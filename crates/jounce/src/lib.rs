@@ -71,9 +71,9 @@ pub use room::particles::presets as particles;
 pub use room::particles::view::{EmitterRef, ParticleSlices, ParticleView};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use room::vehicles::desc::{
-    AeroSurfaceDesc, AntiRollDesc, BoardDesc, ClutchDesc, DifferentialDesc, DifferentialKind, DriveDesc, EngineDesc,
-    GearboxDesc, LeanDesc, SlipControlDesc, TrackDesc, TrackSteerDesc, TyreDesc, VehicleDesc, VehicleInput,
-    WheelCast, WheelDesc,
+    AeroSurfaceDesc, AntiRollDesc, BoardDesc, ClutchDesc, DifferentialDesc, DifferentialKind, DriveDesc,
+    EngineDesc, GearboxDesc, LeanDesc, SlipControlDesc, TrackDesc, TrackSteerDesc, TyreDesc, VehicleDesc,
+    VehicleInput, WheelCast, WheelDesc,
 };
 pub use room::vehicles::presets as vehicles;
 pub use room::vehicles::view::{VehicleRef, VehicleTelemetry, WheelTelemetry};
@@ -92,8 +92,8 @@ pub mod prelude {
     pub use crate::{
         Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, EmitterDesc, EmitterId, EmitterShape,
         Event, Explosion, FieldDesc, FieldId, FieldLaw, Filter, JointDesc, JointId, JointKind, Material,
-        MotorDesc, ParticleCollision, QueryFilter, Ray, Region, ShapeDesc, ShapeId, SpringDesc,
-        VehicleDesc, VehicleId, VehicleInput, WheelDesc, World, WorldDesc,
+        MotorDesc, ParticleCollision, QueryFilter, Ray, Region, ShapeDesc, ShapeId, SpringDesc, VehicleDesc,
+        VehicleId, VehicleInput, WheelDesc, World, WorldDesc,
     };
     pub use jounce_geometry::Shape;
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};

@@ -189,7 +189,8 @@ fn no_tyre_leaves_its_circle() {
             }
             w.step().unwrap();
             for t in w.vehicle(v).unwrap().wheels() {
-                let f = (t.longitudinal_force * t.longitudinal_force + t.lateral_force * t.lateral_force).sqrt();
+                let f =
+                    (t.longitudinal_force * t.longitudinal_force + t.lateral_force * t.lateral_force).sqrt();
                 assert!(f <= t.friction * t.load * 1.000_1 + 1e-3, "step {i}: {f} N at {t:?}");
                 assert!(t.friction <= most * 1.000_1);
                 if t.load > 0.0 {
@@ -206,9 +207,11 @@ fn parked_on_a_slope() {
     for degrees in [5.0_f32, 20.0] {
         let mut w = world();
         let slope = Quat::from_axis_angle(Vec3::X, -degrees.to_radians());
-        w.add_body(BodyDesc::fixed().rotated(slope).shape(ShapeDesc::half_space(Vec3::Y).friction(1.0))).unwrap();
+        w.add_body(BodyDesc::fixed().rotated(slope).shape(ShapeDesc::half_space(Vec3::Y).friction(1.0)))
+            .unwrap();
         let v = vehicles::car().add(&mut w, [0.0; 3], slope).unwrap();
-        w.set_vehicle_input(v, VehicleInput { handbrake: 1.0, brake: 1.0, ..VehicleInput::default() }).unwrap();
+        w.set_vehicle_input(v, VehicleInput { handbrake: 1.0, brake: 1.0, ..VehicleInput::default() })
+            .unwrap();
         let b = chassis(&w, v);
         w.set_can_sleep(b, false).unwrap();
         steps(&mut w, 4.0);
@@ -250,7 +253,10 @@ fn what_it_stands_on_is_pushed() {
         turn = f64s::max(turn, (now.angular - before.angular).length());
     }
     let gone = w.body(plank).unwrap().velocity();
-    println!("momentum within {worst:e} of {:.0} N s, angular within {turn:e}; plank {gone:?}", before.linear.length());
+    println!(
+        "momentum within {worst:e} of {:.0} N s, angular within {turn:e}; plank {gone:?}",
+        before.linear.length()
+    );
     assert!(gone.y < -0.2, "the plank was pushed: {gone:?}");
     // 240 × 4 substeps of f32 velocities of 1,300 kg at up to 2 m/s.
     assert!(worst < 0.05 && turn < 0.3, "{worst} {turn}");
@@ -314,7 +320,10 @@ fn presets_drive_straight() {
         w.set_vehicle_input(v, VehicleInput::drive(1.0, 0.0)).unwrap();
         steps(&mut w, 6.0);
         let (p, t) = (position(&w, v), w.vehicle(v).unwrap().telemetry());
-        println!("{name}: {:.1} m/s after {:.1} m, {:.4} m aside, gear {}, {:.0} rpm", t.speed, p.z, p.x, t.gear, t.rpm);
+        println!(
+            "{name}: {:.1} m/s after {:.1} m, {:.4} m aside, gear {}, {:.0} rpm",
+            t.speed, p.z, p.x, t.gear, t.rpm
+        );
         assert!(t.speed > 5.0 && p.x.abs() < 1e-3 * p.z, "{name}: {p:?} {t:?}");
         w.set_vehicle_input(v, VehicleInput::brake(1.0)).unwrap();
         steps(&mut w, 8.0);
@@ -329,15 +338,26 @@ fn flips_and_stays_finite() {
     let mut w = world();
     road(&mut w, 1.0);
     for i in 0..4 {
-        w.add_body(BodyDesc::fixed().at([0.0, 0.0, 6.0 * f64::from(i) + 6.0]).shape(ShapeDesc::cuboid([0.5, 0.4, 0.5])))
-            .unwrap();
+        w.add_body(
+            BodyDesc::fixed()
+                .at([0.0, 0.0, 6.0 * f64::from(i) + 6.0])
+                .shape(ShapeDesc::cuboid([0.5, 0.4, 0.5])),
+        )
+        .unwrap();
     }
     let mut ids = Vec::new();
-    for (i, kit) in [vehicles::car(), vehicles::sports_car(), vehicles::motorcycle(), vehicles::tank(), vehicles::snowboard()]
-        .into_iter()
-        .enumerate()
+    for (i, kit) in [
+        vehicles::car(),
+        vehicles::sports_car(),
+        vehicles::motorcycle(),
+        vehicles::tank(),
+        vehicles::snowboard(),
+    ]
+    .into_iter()
+    .enumerate()
     {
-        let v = kit.add(&mut w, [4.0 * i as f64 - 8.0, 1.0, -6.0], Quat::from_axis_angle(Vec3::Z, 1.0)).unwrap();
+        let v =
+            kit.add(&mut w, [4.0 * i as f64 - 8.0, 1.0, -6.0], Quat::from_axis_angle(Vec3::Z, 1.0)).unwrap();
         let b = chassis(&w, v);
         w.set_velocity(b, Vec3::new(0.0, 4.0, 25.0)).unwrap();
         w.set_angular_velocity(b, Vec3::new(3.0, 1.0, 6.0)).unwrap();
@@ -374,7 +394,9 @@ fn gears_change() {
         assert!(t.rpm < 7000.0, "{t:?}");
         if t.gear > 1 && !t.shifting && t.clutch_torque > 20.0 && t.rpm > 2600.0 {
             // In gear the engine turns with the wheels, but for what the clutch slips after a change.
-            let x = 0.5 * (w.vehicle(v).unwrap().wheel(0).unwrap().spin + w.vehicle(v).unwrap().wheel(1).unwrap().spin);
+            let x = 0.5
+                * (w.vehicle(v).unwrap().wheel(0).unwrap().spin
+                    + w.vehicle(v).unwrap().wheel(1).unwrap().spin);
             let rpm = x * t.ratio * 30.0 / core::f32::consts::PI;
             assert!(rpm < t.rpm * 1.3 + 500.0 && rpm > 0.5 * t.rpm, "{rpm} {t:?}");
         }
@@ -421,10 +443,15 @@ fn differentials() {
     let (open, spin, force) = split(DifferentialKind::Open);
     let (limited, _, _) = split(DifferentialKind::LimitedSlip { preload: 400.0, lock: 0.3 });
     let (locked, same, _) = split(DifferentialKind::Locked);
-    println!("on split ground: open {open:.2} m/s (spin {spin:.1}, force {force:.0}), limited {limited:.2}, locked {locked:.2}");
+    println!(
+        "on split ground: open {open:.2} m/s (spin {spin:.1}, force {force:.0}), limited {limited:.2}, locked {locked:.2}"
+    );
     assert!(spin > 20.0, "the wheel on ice spins: {spin}");
     assert!(same.abs() < 1e-3, "{same}");
-    assert!(locked > 2.0 * open && limited > 1.2 * open && locked >= limited * 0.9, "{open} {limited} {locked}");
+    assert!(
+        locked > 2.0 * open && limited > 1.2 * open && locked >= limited * 0.9,
+        "{open} {limited} {locked}"
+    );
 }
 
 #[test]
@@ -464,7 +491,13 @@ fn threads_and_clones_give_the_same_bits() {
             let at = [f64::from(rng.float(-12.0, 12.0)), 0.3, f64::from(i) * 2.0 + 8.0];
             w.add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid([0.3; 3]).density(100.0))).unwrap();
         }
-        let kits = [vehicles::car(), vehicles::off_road(), vehicles::motorcycle(), vehicles::tank(), vehicles::snowboard()];
+        let kits = [
+            vehicles::car(),
+            vehicles::off_road(),
+            vehicles::motorcycle(),
+            vehicles::tank(),
+            vehicles::snowboard(),
+        ];
         let ids: Vec<_> = kits
             .into_iter()
             .enumerate()
@@ -480,7 +513,10 @@ fn threads_and_clones_give_the_same_bits() {
         for i in 0..300 {
             if i % 40 == 0 {
                 for &v in &ids {
-                    let input = VehicleInput { lean: rng.float(-1.0, 1.0), ..VehicleInput::drive(1.0, rng.float(-0.6, 0.6)) };
+                    let input = VehicleInput {
+                        lean: rng.float(-1.0, 1.0),
+                        ..VehicleInput::drive(1.0, rng.float(-0.6, 0.6))
+                    };
                     w.set_vehicle_input(v, input).unwrap();
                 }
             }
@@ -519,7 +555,10 @@ fn bad_descriptions_are_refused_by_name() {
     refused(&|v| v.wheels[0].radius = f32::NAN, "radius");
     refused(&|v| v.wheels[1].mass = 0.0, "mass");
     refused(&|v| v.wheels[1].tyre.kinetic_friction = 2.0, "kinetic_friction");
-    refused(&|v| v.wheels[1].tyre = TyreDesc { relaxation_length: 0.0, ..TyreDesc::default() }, "relaxation_length");
+    refused(
+        &|v| v.wheels[1].tyre = TyreDesc { relaxation_length: 0.0, ..TyreDesc::default() },
+        "relaxation_length",
+    );
     refused(&|v| v.anti_roll[0].right = 9, "anti_roll right");
     refused(&|v| v.drive.as_mut().unwrap().engine.torque.clear(), "torque");
     refused(&|v| v.drive.as_mut().unwrap().axles[0].share = 0.5, "share");
@@ -598,7 +637,10 @@ fn a_tank_turns_on_the_spot() {
     assert!(b.position().length() < 1.0);
     let r = w.vehicle(v).unwrap();
     let x: Vec<f32> = r.wheels().map(|t| t.spin).collect();
-    assert!(x[..5].iter().all(|s| (s - x[0]).abs() < 1e-3) && x[5..].iter().all(|s| (s - x[5]).abs() < 1e-3), "{x:?}");
+    assert!(
+        x[..5].iter().all(|s| (s - x[0]).abs() < 1e-3) && x[5..].iter().all(|s| (s - x[5]).abs() < 1e-3),
+        "{x:?}"
+    );
 }
 
 fn snow(w: &mut World, degrees: f32) -> Quat {

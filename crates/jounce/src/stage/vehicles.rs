@@ -219,7 +219,8 @@ fn begin(world: &World, v: &mut Vehicle, run: &mut Run, casts: &[Cast]) {
     run.chassis.m = world.awake.state[run.chassis.row as usize].get();
     let wheels = v.wheels.len();
     for c in casts {
-        let local = if c.foot < wheels { v.desc.wheels[c.foot].position } else { station(v, c.foot - wheels) };
+        let local =
+            if c.foot < wheels { v.desc.wheels[c.foot].position } else { station(v, c.foot - wheels) };
         let hub = q.rotate(local - frame.local_center);
         let tyre = v.desc.wheels.get(c.foot).map(|w| [w.tyre.static_friction, w.tyre.kinetic_friction]);
         let plane = c.hit.map(|hit| plane(world, run, frame.center, tyre, &hit));

@@ -98,8 +98,7 @@ fn stand(v: &mut Vehicle, d: &BoardDesc, run: &mut Run, h: f32, work: &mut [Work
     for (w, depth) in work.iter_mut().zip(depth).filter(|(_, d)| *d > 0.0) {
         let n = w.now.normal;
         let closing = -run.over(w.arm, &w.now).dot(n);
-        let m = count as f32
-            * (run.chassis.response(w.arm, n, n) + run.ground_response(w.arm, &w.now, n, n));
+        let m = count as f32 * (run.chassis.response(w.arm, n, n) + run.ground_response(w.arm, &w.now, n, n));
         let q = h * c + h * h * k;
         let j = f32s::max((h * k * depth + q * closing) / (1.0 + q * m), 0.0);
         w.load = j;
@@ -141,7 +140,10 @@ fn set_edges(d: &BoardDesc, run: &Run, work: &mut [Work; 4]) {
         let grip = d.friction + (f32s::max(d.edge_friction, d.friction) - d.friction) * set;
         w.most = [d.friction * w.load, grip * w.load];
         for (k, e) in w.k.iter_mut().zip([w.t, w.b]) {
-            *k = f32s::max(run.chassis.response(w.arm, e, e) + run.ground_response(w.arm, &w.now, e, e), 1e-20);
+            *k = f32s::max(
+                run.chassis.response(w.arm, e, e) + run.ground_response(w.arm, &w.now, e, e),
+                1e-20,
+            );
         }
     }
 }

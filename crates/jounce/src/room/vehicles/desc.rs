@@ -416,7 +416,13 @@ impl VehicleDesc {
             check(a.left != a.right, V, "anti_roll right", a.right, "another wheel than left")?;
             range(V, "anti_roll stiffness", a.stiffness, 0.0, 1e9, "0 to 1e9 N/m")?;
         }
-        check(self.anti_roll.len() <= limits::WHEELS_MAX, V, "anti_roll", self.anti_roll.len(), "at most 32")?;
+        check(
+            self.anti_roll.len() <= limits::WHEELS_MAX,
+            V,
+            "anti_roll",
+            self.anti_roll.len(),
+            "at most 32",
+        )?;
         if let Some(d) = &self.drive {
             d.check(n)?;
         }

@@ -43,7 +43,8 @@ pub(crate) fn torque(e: &EngineDesc, speed: f32, throttle: f32) -> f32 {
 
 /// What the clutch can pass on now, N m.
 pub(crate) fn clutch_torque(c: &ClutchDesc, speed: f32, pedal: f32) -> f32 {
-    let by_itself = c.auto_rpm.map_or(1.0, |(from, to)| f32s::clamp((speed * RPM - from) / (to - from), 0.0, 1.0));
+    let by_itself =
+        c.auto_rpm.map_or(1.0, |(from, to)| f32s::clamp((speed * RPM - from) / (to - from), 0.0, 1.0));
     c.torque * by_itself * (1.0 - pedal)
 }
 
@@ -126,7 +127,8 @@ mod tests {
     #[test]
     fn the_curve_is_linear_between_its_points() {
         let e = engine();
-        for (rpm, want) in [(0.0, 100.0), (1000.0, 100.0), (2000.0, 150.0), (3000.0, 200.0), (9000.0, 150.0)] {
+        for (rpm, want) in [(0.0, 100.0), (1000.0, 100.0), (2000.0, 150.0), (3000.0, 200.0), (9000.0, 150.0)]
+        {
             assert!((full_torque(&e, rpm) - want).abs() < 1e-3, "{rpm}");
         }
         assert!((torque(&e, 3000.0 / RPM, 1.0) - 200.0).abs() < 1e-2);

@@ -4,8 +4,9 @@
 //! rounded (Gillespie 1992; data sheets), not of a make.
 
 use super::desc::{
-    AeroSurfaceDesc, AntiRollDesc, BoardDesc, ClutchDesc, DifferentialDesc, DifferentialKind, DriveDesc, EngineDesc,
-    GearboxDesc, LeanDesc, SlipControlDesc, TrackDesc, TrackSteerDesc, TyreDesc, VehicleDesc, WheelDesc,
+    AeroSurfaceDesc, AntiRollDesc, BoardDesc, ClutchDesc, DifferentialDesc, DifferentialKind, DriveDesc,
+    EngineDesc, GearboxDesc, LeanDesc, SlipControlDesc, TrackDesc, TrackSteerDesc, TyreDesc, VehicleDesc,
+    WheelDesc,
 };
 use crate::error::Result;
 use crate::handle::{BodyId, VehicleId};
@@ -62,11 +63,7 @@ impl VehicleKit {
 const G: f32 = 9.81;
 
 fn mass(mass: f32, center: [f32; 3], inertia: [f32; 3]) -> MassProperties {
-    MassProperties {
-        mass,
-        center: Vec3::from(center),
-        inertia: Mat3::from_diagonal(Vec3::from(inertia)),
-    }
+    MassProperties { mass, center: Vec3::from(center), inertia: Mat3::from_diagonal(Vec3::from(inertia)) }
 }
 
 /// Springs of the wheels for a mass and its centre along +z: loads linear in z, and hubs lowered by what tyres give.
@@ -79,8 +76,7 @@ pub fn carry(wheels: &mut [WheelDesc], mass: f32, center_z: f32) {
     let spread: f32 = wheels.iter().map(|w| (w.position.z - mean) * (w.position.z - mean)).sum();
     for w in wheels {
         let share = 1.0 / n;
-        let tilt =
-            if spread > 0.0 { (center_z - mean) * (w.position.z - mean) / spread } else { 0.0 };
+        let tilt = if spread > 0.0 { (center_z - mean) * (w.position.z - mean) / spread } else { 0.0 };
         w.preload = mass * G * (share + tilt);
         w.position.y = w.radius - w.preload / w.tyre.radial_stiffness;
     }
@@ -92,7 +88,8 @@ fn placeholder() -> VehicleDesc {
 
 fn car_like(body: BodyDesc, front_z: f32, rear_z: f32, half_track: f32, w: WheelDesc) -> VehicleKit {
     let mut vehicle = placeholder();
-    for (z, x) in [(front_z, half_track), (front_z, -half_track), (rear_z, half_track), (rear_z, -half_track)] {
+    for (z, x) in [(front_z, half_track), (front_z, -half_track), (rear_z, half_track), (rear_z, -half_track)]
+    {
         let mut wheel = w;
         wheel.position = Vec3::new(x, w.radius, z);
         if z == front_z {
@@ -230,7 +227,12 @@ pub fn off_road() -> VehicleKit {
         .mass(m)
         .shape(ShapeDesc::cuboid([0.85, 0.35, 2.0]).at([0.0, 0.95, 0.0]).friction(0.4))
         .shape(ShapeDesc::cuboid([0.75, 0.3, 1.2]).at([0.0, 1.6, -0.3]).friction(0.4));
-    let tyre = TyreDesc { static_friction: 0.9, kinetic_friction: 0.8, cornering_stiffness: 12.0, ..TyreDesc::default() };
+    let tyre = TyreDesc {
+        static_friction: 0.9,
+        kinetic_friction: 0.8,
+        cornering_stiffness: 12.0,
+        ..TyreDesc::default()
+    };
     let w = WheelDesc {
         radius: 0.4,
         width: 0.28,
@@ -248,7 +250,8 @@ pub fn off_road() -> VehicleKit {
     let mut kit = car_like(body, 1.4, -1.4, 0.8, w);
     carry(&mut kit.vehicle.wheels, 2000.0, 0.0);
     let v = &mut kit.vehicle;
-    let locked = |left, share| DifferentialDesc { left, right: left + 1, kind: DifferentialKind::Locked, share };
+    let locked =
+        |left, share| DifferentialDesc { left, right: left + 1, kind: DifferentialKind::Locked, share };
     v.drive = Some(DriveDesc {
         engine: EngineDesc {
             torque: vec![(700.0, 250.0), (1800.0, 420.0), (3500.0, 400.0), (4500.0, 300.0)],
@@ -405,9 +408,8 @@ pub fn tank() -> VehicleKit {
 /// A snowboarder of 80 kg who rides along +z, on a board with a side-cut of 8 m.
 pub fn snowboard() -> VehicleKit {
     let m = mass(80.0, [0.0, 0.8, 0.0], [12.0, 5.0, 10.0]);
-    let body = BodyDesc::dynamic()
-        .mass(m)
-        .shape(ShapeDesc::capsule(0.45, 0.25).at([0.0, 0.85, 0.0]).friction(0.1));
+    let body =
+        BodyDesc::dynamic().mass(m).shape(ShapeDesc::capsule(0.45, 0.25).at([0.0, 0.85, 0.0]).friction(0.1));
     let mut vehicle = placeholder();
     vehicle.board = Some(BoardDesc {
         position: Vec3::ZERO,

@@ -156,6 +156,8 @@ struct Work {
     b: Vec3,
     roll: Vec3,
     held: Hold,
+    /// Static friction.
+    mu: f32,
 }
 
 impl Run {
@@ -342,7 +344,8 @@ fn places(v: &Vehicle, run: &mut Run) -> usize {
     for i in 0..v.wheels.len() {
         let (s, d, foot) = (&v.wheels[i], &v.desc.wheels[i], run.wheels[i]);
         let hub = q.rotate(foot.hub) - up * s.s;
-        let axle = if s.steer == 0.0 { left } else { left * f32s::cos(s.steer) - forward * f32s::sin(s.steer) };
+        let axle =
+            if s.steer == 0.0 { left } else { left * f32s::cos(s.steer) - forward * f32s::sin(s.steer) };
         let mut w = Work { hub, axle, arm: hub, ..Work::default() };
         if let Some(plane) = &foot.plane {
             let now = run.now(plane);
@@ -413,9 +416,11 @@ fn drive(v: &mut Vehicle, run: &mut Run, h: f32) {
     for k in 0..spin.parts.len() {
         spin.cap[k] = f64::from(match spin.parts[k] {
             Part::Clutch => clutch * h,
-            Part::Axle(a) => v.desc.drive.as_ref().map_or(0.0, |d| {
-                h * strength(d.axles[a].kind, v.clutch * ratio * d.axles[a].share)
-            }),
+            Part::Axle(a) => v
+                .desc
+                .drive
+                .as_ref()
+                .map_or(0.0, |d| h * strength(d.axles[a].kind, v.clutch * ratio * d.axles[a].share)),
             Part::Center => v.desc.drive.as_ref().map_or(0.0, |d| h * strength(d.center, v.clutch * ratio)),
             Part::Track => f32::INFINITY,
             Part::TrackSteer => v.desc.track_steer.map_or(0.0, |t| t.torque * h),
@@ -446,12 +451,17 @@ fn tyres(v: &mut Vehicle, run: &mut Run, h: f32, share: f32) {
     for i in 0..v.wheels.len() {
         let (w, d) = (run.work[i], &v.desc.wheels[i]);
         let s = &mut v.wheels[i];
-        s.seen = Seen { suspension: w.spring.spring / h, normal: Vec3::ZERO, point: s.seen.point, ..Seen::default() };
+        s.seen = Seen {
+            suspension: w.spring.spring / h,
+            normal: Vec3::ZERO,
+            point: s.seen.point,
+            ..Seen::default()
+        };
         s.tyre_torque = 0.0;
         run.work[i].push = Vec3::ZERO;
         if !(w.touches && w.spring.tyre > 0.0) {
             s.e = [0.0; 2];
-            control(v.desc.abs.map(|a| (a.slip, a.rate)), &mut s.let_through, 0.0, h);
+            s.sliding = 0.0;
             continue;
         }
         let n = w.now.normal;
@@ -460,28 +470,24 @@ fn tyres(v: &mut Vehicle, run: &mut Run, h: f32, share: f32) {
         let x = run.spin.x[i + 1] as f32;
         let roll = w.axle.cross(w.rho);
         let slip = w.slide + roll * x - up * w.spring.u;
-        let along = w.slide.dot(t);
-        let rim = -x * roll.dot(t);
+        // As it rolled in the last substep: now brakes have acted and the road has not.
+        let rim = s.x * roll.length();
         let load = w.spring.tyre / h;
-        let sensitive =
-            1.0 + d.tyre.load_sensitivity * f32s::max(load / d.tyre.nominal_load - 1.0, 0.0);
-        let mu = run.wheels[i].plane.map_or([0.0; 2], |p| p.mu.map(|m| m / sensitive));
-        let stiffness = [d.tyre.slip_stiffness * load, d.tyre.cornering_stiffness * load];
-        let flow = [slip.dot(t), slip.dot(b)];
-        let speed = f32s::max(along.abs(), rim.abs());
-        let mu = tyre::friction(mu, flow, speed, stiffness, load);
+        let sensitive = 1.0 + d.tyre.load_sensitivity * f32s::max(load / d.tyre.nominal_load - 1.0, 0.0);
+        let mus = run.wheels[i].plane.map_or([0.0; 2], |p| p.mu.map(|m| m / sensitive));
+        let mu = tyre::friction(mus, s.sliding);
         let a = |e: Vec3, f: Vec3| {
             share * (run.chassis.response(w.arm, e, f) + run.ground_response(w.arm, &w.now, e, f))
                 + run.spin.response[i + 1] as f32 * roll.dot(e) * roll.dot(f)
                 + up.dot(e) * up.dot(f) / d.mass
         };
         let patch = Patch {
-            v: flow,
+            v: [slip.dot(t), slip.dot(b)],
             e: s.e,
             rolling: rim.abs(),
             load: w.spring.tyre,
             mu,
-            stiffness,
+            stiffness: [d.tyre.slip_stiffness * load, d.tyre.cornering_stiffness * load],
             length: d.tyre.relaxation_length,
             mass: run.mass / share,
             a: [a(t, t), a(t, b), a(b, t), a(b, b)],
@@ -489,25 +495,20 @@ fn tyres(v: &mut Vehicle, run: &mut Run, h: f32, share: f32) {
         };
         let held = tyre::hold(&patch);
         (run.work[i].t, run.work[i].b, run.work[i].roll, run.work[i].held) = (t, b, roll, held);
+        run.work[i].mu = mus[0];
         let push = t * held.impulse[0] + b * held.impulse[1];
         run.work[i].push = push;
         s.tyre_torque = w.axle.dot(w.rho.cross(push));
         run.spin.tau[i + 1] = f64::from(s.tyre_torque);
-        let ratio = (rim - along) / f32s::max(speed, 1.0);
         s.seen = Seen {
             load,
             force: held.impulse.map(|j| j / h),
-            slip: [ratio, f32s::atan2(flow[1], f32s::max(along.abs(), 1e-3))],
             friction: mu,
             normal: n,
             point: run.place(w.arm),
             ..s.seen
         };
-        let back = if along >= 0.0 { -ratio } else { ratio };
-        let slow = speed < 2.0 || v.input.brake == 0.0;
-        control(v.desc.abs.map(|a| (a.slip, a.rate)), &mut s.let_through, if slow { 0.0 } else { back }, h);
     }
-    traction(v, h);
 }
 
 /// Lets go where the slip is too large, the faster the larger; takes hold again below.
@@ -562,12 +563,34 @@ fn apply(v: &mut Vehicle, run: &mut Run, h: f32) {
     }
     run.chassis.push(Vec3::ZERO, linear);
     run.chassis.turn(angular);
+    slips(v, run, h);
+    traction(v, h);
+}
+
+/// What the tread does over the ground after all impulses: deflection, slip, ABS.
+fn slips(v: &mut Vehicle, run: &Run, h: f32) {
+    let (up, _) = run.axes();
+    let abs = v.desc.abs.map(|a| (a.slip, a.rate));
     for (i, s) in v.wheels.iter_mut().enumerate() {
         let w = run.work[i];
-        if w.touches && w.spring.tyre > 0.0 {
-            let slip = run.over(w.arm, &w.now) + w.roll * s.x - up * s.u;
-            s.e = w.held.deflect(s.e, [slip.dot(w.t), slip.dot(w.b)]);
+        if !(w.touches && w.spring.tyre > 0.0) {
+            control(abs, &mut s.let_through, 0.0, h);
+            continue;
         }
+        let over = run.over(w.arm, &w.now);
+        let slip = over + w.roll * s.x - up * s.u;
+        let flow = [slip.dot(w.t), slip.dot(w.b)];
+        s.e = w.held.deflect(s.e, flow);
+        let along = over.dot(w.t);
+        let rim = -s.x * w.roll.dot(w.t);
+        let speed = f32s::max(along.abs(), rim.abs());
+        let tyre = &v.desc.wheels[i].tyre;
+        s.sliding = tyre::sliding(flow, speed, [tyre.slip_stiffness, tyre.cornering_stiffness], w.mu);
+        let ratio = (rim - along) / f32s::max(speed, 1.0);
+        s.seen.slip = [ratio, f32s::atan2(flow[1], f32s::max(along.abs(), 1e-3))];
+        let back = if along >= 0.0 { -ratio } else { ratio };
+        let slow = speed < 2.0 || v.input.brake == 0.0;
+        control(abs, &mut s.let_through, if slow { 0.0 } else { back }, h);
     }
 }
 

@@ -21,6 +21,8 @@ pub(crate) struct WheelState {
     pub steer: f32,
     /// Deflection of the tyre along and across, m.
     pub e: [f32; 2],
+    /// How far the last slip was beyond the one from which all of the patch slides: 1 is there.
+    pub sliding: f32,
     /// Share of the brake's torque that ABS lets through.
     pub let_through: f32,
     /// Impulse about the axle by the tyre in the last substep, N m s.
@@ -53,6 +55,7 @@ impl Default for WheelState {
             angle: 0.0,
             steer: 0.0,
             e: [0.0; 2],
+            sliding: 0.0,
             let_through: 1.0,
             tyre_torque: 0.0,
             ground: NONE,
@@ -65,10 +68,12 @@ impl Default for WheelState {
 impl WheelState {
     /// Nothing moves any more; what holds it where it stands stays.
     pub fn rest(&mut self) {
-        (self.u, self.x, self.tyre_torque) = (0.0, 0.0, 0.0);
+        (self.u, self.x, self.tyre_torque, self.sliding) = (0.0, 0.0, 0.0, 0.0);
     }
     fn is_finite(&self) -> bool {
-        [self.s, self.u, self.x, self.angle, self.e[0], self.e[1], self.tyre_torque].iter().all(|x| x.is_finite())
+        [self.s, self.u, self.x, self.angle, self.e[0], self.e[1], self.tyre_torque, self.sliding]
+            .iter()
+            .all(|x| x.is_finite())
     }
 }
 
@@ -194,7 +199,7 @@ fn hash_wheel(h: &mut StateHasher, w: &WheelState) {
     h.floats(w.seen.force[0], w.seen.force[1]);
     h.floats(w.seen.slip[0], w.seen.slip[1]);
     h.floats(w.seen.friction, w.seen.suspension);
-    h.floats(w.seen.drive, 0.0);
+    h.floats(w.seen.drive, w.sliding);
     h.dvec3(w.seen.point);
     h.vec3(w.seen.normal);
 }

@@ -138,12 +138,15 @@ pub(crate) fn hold(p: &Patch) -> Hold {
     Hold { impulse: j, keep, beta, k, limit }
 }
 
-/// μ at a slip: the static one until all of the patch slides, then towards the kinetic one as what slides grows.
-pub(crate) fn friction([fixed, sliding]: [f32; 2], v: [f32; 2], speed: f32, c: [f32; 2], load: f32) -> f32 {
+/// How far a slip is beyond the one from which all of the patch slides, given C/N, the faster of road and rim, and μ: 1 is there.
+pub(crate) fn sliding(v: [f32; 2], speed: f32, c: [f32; 2], mu: f32) -> f32 {
     let s = 1.0 / f32s::max(speed, 1.0);
-    let w = [c[0] * v[0] * s, c[1] * v[1] * s];
-    let z = size(w) / f32s::max(3.0 * fixed * load, 1e-6);
-    if z <= 1.0 { fixed } else { sliding + (fixed - sliding) / z }
+    size([c[0] * v[0] * s, c[1] * v[1] * s]) / f32s::max(3.0 * mu, 1e-6)
+}
+
+/// μ while so much slides: the static one up to 1, then towards the kinetic one.
+pub(crate) fn friction([fixed, kinetic]: [f32; 2], sliding: f32) -> f32 {
+    if sliding <= 1.0 { fixed } else { kinetic + (fixed - kinetic) / sliding }
 }
 
 #[cfg(test)]
