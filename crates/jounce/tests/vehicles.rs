@@ -258,8 +258,9 @@ fn what_it_stands_on_is_pushed() {
         before.linear.length()
     );
     assert!(gone.y < -0.2, "the plank was pushed: {gone:?}");
-    // 240 × 4 substeps of f32 velocities of 1,300 kg at up to 2 m/s.
-    assert!(worst < 0.05 && turn < 0.3, "{worst} {turn}");
+    // Rounding: 960 substeps with some ten sums of f32 each; 1,300 kg at 1.5 m/s is 2,000 N s, whose last bit is 1e-4 N s, so at random
+    // 1e-4 · √9600; levers of metres.
+    assert!(worst < 0.05 && turn < 0.1, "{worst} {turn}");
 }
 
 #[test]
@@ -619,7 +620,7 @@ fn a_motorcycle_leans_into_its_turn() {
     let speed = b.velocity().length();
     let want = f32s::atan2(-rate * speed, 9.81);
     println!("lean {:.2}° for {:.2}° at {speed:.1} m/s", lean.to_degrees(), want.to_degrees());
-    assert!(lean > 0.2 && (lean / want - 1.0).abs() < 0.1, "{lean} for {want}");
+    assert!(lean > 0.2 && (lean / want - 1.0).abs() < 0.05, "{lean} for {want}");
     assert!(b.position().y > -0.2);
 }
 

@@ -343,7 +343,9 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
         let row = run.chassis.row as usize;
         let b = &mut world.awake.step[row];
         let turns = |i: usize| v.wheels[i].x.abs() * v.desc.wheels[i].radius > b.sleep_speed;
-        let busy = (0..v.wheels.len()).any(|i| turns(i) || v.wheels[i].u.abs() > b.sleep_speed);
+        let stands = |i: usize| v.wheels[i].seen.load > 0.0;
+        let busy =
+            (0..v.wheels.len()).any(|i| stands(i) && (turns(i) || v.wheels[i].u.abs() > b.sleep_speed));
         let driven = v.desc.drive.is_some() && v.input.throttle > 0.0 && v.shifter.gear != 0;
         if carried || busy || driven || v.shifter.is_shifting() {
             b.sleep_timer = 0.0;

@@ -678,7 +678,8 @@ fn lean(v: &Vehicle, run: &mut Run, h: f32) {
             curve = w.steer;
         }
     }
-    let curve = f32s::tan(curve) / l.wheelbase;
+    // Leaned, a front wheel steers by more on the ground.
+    let curve = f32s::tan(curve) / (l.wheelbase * f32s::max(f32s::cos(lean), 0.3));
     let wanted = f32s::clamp(-f32s::atan2(speed * speed * curve, g), -l.angle_max, l.angle_max);
     hold_roll(run, lean - wanted, l.hertz, l.damping_ratio, height / count, h);
 }

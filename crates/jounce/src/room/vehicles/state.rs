@@ -125,6 +125,13 @@ impl Vehicle {
     }
     /// Adds the momentum of its wheels on their travels and about their axles.
     pub fn add_momentum(&self, f: &BodyFrame, p: &mut Momentum) {
+        // As the last substep left it: what turned since is taken from the chassis in the next one.
+        if let Some(c) = self.carried.filter(|c| c.center == f.center && c.rotation == f.rotation) {
+            let linear = c.linear.as_dvec3();
+            p.linear += linear;
+            p.angular += f.center.cross(linear) + c.angular.as_dvec3();
+            return;
+        }
         let (up, left) = (self.desc.up, self.desc.up.cross(self.desc.forward));
         for (w, d) in self.wheels.iter().zip(&self.desc.wheels) {
             let down = f.rotation.rotate(up * (-d.mass * w.u)).as_dvec3();

@@ -143,9 +143,7 @@ impl<'a> VehicleRef<'a> {
     /// No such wheel.
     pub fn wheel(&self, index: usize) -> Result<WheelTelemetry> {
         let found = self.vehicle.feet().nth(index);
-        let n = self.vehicle.feet().count();
         check(found.is_some(), "vehicle", "wheel", index, "below the number of wheels")?;
-        debug_assert!(index < n);
         Ok(found.map_or_else(WheelTelemetry::default, |w| telemetry(self.world, w)))
     }
     /// Where a wheel stands in the world, to draw it: its x axis is the axle (to the left), turned by steering and spin.
