@@ -4,6 +4,9 @@ use crate::error::{Result, check};
 use crate::{BodyId, JointId};
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};
 
+/// π, with room for rounding, rad.
+const HALF_TURN: f32 = core::f32::consts::PI + 1e-5;
+
 /// Where a joint holds its two bodies.
 ///
 /// A joint has a frame on each body. Their x axis is the joint's main axis: the hinge's, the slider's, the bone's (twist),
@@ -258,6 +261,7 @@ pub struct PathDesc {
 }
 
 /// How two bodies are joined.
+#[expect(clippy::large_enum_variant, reason = "a description is written once and copied as a whole")]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum JointKind {
@@ -584,10 +588,10 @@ pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
         JointKind::Fixed => Ok(()),
         JointKind::Ball(b) => {
             let cone = b.cone.unwrap_or(0.0);
-            check((0.0..=3.1416).contains(&cone), "ball joint", "cone", cone, "0 to π rad")?;
+            check((0.0..=HALF_TURN).contains(&cone), "ball joint", "cone", cone, "0 to π rad")?;
             if let Some(t) = &b.twist {
                 t.check()?;
-                let ok = t.min >= -3.1416 && t.max <= 3.1416;
+                let ok = t.min >= -HALF_TURN && t.max <= HALF_TURN;
                 check(ok, "ball joint", "twist", [t.min, t.max], "within ±π rad")?;
             }
             b.cone_spring.map_or(Ok(()), |s| s.check())?;
