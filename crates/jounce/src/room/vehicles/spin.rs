@@ -58,6 +58,7 @@ pub(crate) struct Spin {
     pub x: Vec<f64>,
     pub tau: Vec<f64>,
     column: Vec<f64>,
+    spare: Vec<Vec<f64>>,
 }
 
 impl Spin {
@@ -262,11 +263,17 @@ impl Spin {
 
     /// Σ_j |B_ij|: what a wheel's tyre may count on, with all that it is coupled to pulling at once.
     fn respond(&mut self) {
-        let x = core::mem::take(&mut self.x);
-        let target = core::mem::take(&mut self.target);
-        let total = core::mem::take(&mut self.total);
-        self.target.extend(core::iter::repeat_n(0.0, target.len()));
-        self.total.extend(core::iter::repeat_n(0.0, target.len()));
+        // Into memory that stays: a step allocates nothing.
+        let m = self.parts.len();
+        self.spare.resize_with(3, Vec::new);
+        let now = [&mut self.x, &mut self.target, &mut self.total];
+        for (kept, now) in self.spare.iter_mut().zip(now) {
+            core::mem::swap(kept, now);
+        }
+        for (list, len) in [(&mut self.x, self.n), (&mut self.target, m), (&mut self.total, m)] {
+            list.clear();
+            list.resize(len, 0.0);
+        }
         for i in 0..self.n {
             self.column.clear();
             self.column.resize(self.n, 0.0);
@@ -282,7 +289,10 @@ impl Spin {
             core::mem::swap(&mut self.x, &mut self.column);
             self.response[i] = f64s::max(sum, 0.0);
         }
-        (self.x, self.target, self.total) = (x, target, total);
+        let now = [&mut self.x, &mut self.target, &mut self.total];
+        for (kept, now) in self.spare.iter_mut().zip(now) {
+            core::mem::swap(kept, now);
+        }
     }
 }
 
