@@ -418,6 +418,29 @@ fn gears_change() {
     assert!(t.gear == 0 && t.rpm > 6000.0 && t.speed.abs() < 0.1, "{t:?}");
 }
 
+#[test]
+fn right_mirrors_left() {
+    // Wheels that steered right were once turned by half a turn: the car drove backwards in every right bend.
+    let run = |steer: f32| {
+        let mut w = world();
+        road(&mut w, 1.0);
+        let v = vehicles::car().add(&mut w, [0.0; 3], Quat::IDENTITY).unwrap();
+        w.set_vehicle_input(v, VehicleInput::drive(0.5, steer)).unwrap();
+        steps(&mut w, 4.0);
+        let r = w.vehicle(v).unwrap();
+        let wheels: Vec<_> = r.wheels().collect();
+        assert!(wheels.iter().all(|t| t.spin > 1.0), "all roll forward: {wheels:?}");
+        (position(&w, v), wheels[0].steer, wheels[1].steer)
+    };
+    let ((l, ll, lr), (r, rl, rr)) = (run(-0.4), run(0.4));
+    println!("left {l:?}, right {r:?}");
+    assert!(l.x > 1.0 && (l.x + r.x).abs() < 1e-3 && (l.z - r.z).abs() < 1e-3, "{l:?} {r:?}");
+    assert!(ll > lr && (ll + rr).abs() < 1e-6 && (lr + rl).abs() < 1e-6);
+    // Ackermann: cot of the outer less cot of the inner angle is track over wheelbase.
+    let cot = |x: f32| 1.0 / f32s::tan(x);
+    assert!((cot(lr) - cot(ll) - 1.5 / 2.6).abs() < 1e-4, "{ll} {lr}");
+}
+
 /// Speed after 4 s, left wheels on ice, right ones on asphalt.
 fn split(kind: DifferentialKind) -> (f32, f32, f32) {
     let mut w = world();

@@ -288,7 +288,7 @@ fn steer(v: &mut Vehicle, run: &Run) {
         // The turn's centre is length/tan(angle) to the left of the middle.
         let (sin, cos) = (f32s::sin(angle), f32s::cos(angle));
         let across = w.position.dot(left) * d.ackermann;
-        let sign = if length * sin < 0.0 { -1.0 } else { 1.0 };
+        let sign = if length < 0.0 { -1.0 } else { 1.0 };
         s.steer = f32s::atan2(sign * length * sin, sign * (length * cos - across * sin));
     }
 }
