@@ -6,8 +6,9 @@ use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
 use crate::room::joints::desc::{JointDesc, JointKind};
 use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
+use crate::room::vehicles::desc::{VehicleDesc, VehicleInput};
 use crate::settings::Settings;
-use crate::{BodyId, EmitterId, FieldId, JointId, ShapeId};
+use crate::{BodyId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 use jounce_geometry::{MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
@@ -106,6 +107,16 @@ pub enum Command {
     SetJoint(JointId, Box<JointKind>),
     /// Takes a joint out of the simulation, or back in (a broken one too).
     SetJointEnabled(JointId, bool),
+    /// Adds a vehicle to a body; gives [`Output::Vehicle`]; wakes it.
+    AddVehicle(Box<VehicleDesc>),
+    /// Removes a vehicle; its chassis stays.
+    RemoveVehicle(VehicleId),
+    /// Replaces a vehicle's description by another with as many wheels; wakes it.
+    SetVehicle(VehicleId, Box<VehicleDesc>),
+    /// What the driver does from now on; a change wakes the vehicle.
+    SetVehicleInput(VehicleId, VehicleInput),
+    /// Takes a vehicle out of the simulation, or back in; its wheels start anew.
+    SetVehicleEnabled(VehicleId, bool),
     /// Sets the world's gravity, m/s²; wakes everything.
     SetGravity(Vec3),
     /// Sets the solver's constants; wakes everything.
@@ -127,4 +138,6 @@ pub enum Output {
     Emitter(EmitterId),
     /// The new joint.
     Joint(JointId),
+    /// The new vehicle.
+    Vehicle(VehicleId),
 }

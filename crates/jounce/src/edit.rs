@@ -93,6 +93,11 @@ impl World {
             C::RemoveJoint(j) => self.do_remove_joint(j)?,
             C::SetJoint(j, k) => self.do_set_joint(j, *k)?,
             C::SetJointEnabled(j, on) => self.do_enable_joint(j, on)?,
+            C::AddVehicle(d) => return self.do_add_vehicle(*d).map(Output::Vehicle),
+            C::RemoveVehicle(v) => self.do_remove_vehicle(v)?,
+            C::SetVehicle(v, d) => self.do_set_vehicle(v, *d)?,
+            C::SetVehicleInput(v, i) => self.do_set_vehicle_input(v, i)?,
+            C::SetVehicleEnabled(v, on) => self.do_enable_vehicle(v, on)?,
             C::SetGravity(g) => self.do_set_gravity(g)?,
             C::SetSettings(s) => {
                 s.check()?;
@@ -129,6 +134,7 @@ impl World {
             shapes: Vec::new(),
             contacts: Vec::new(),
             joints: Vec::new(),
+            vehicle: NONE,
             row: NONE,
             island: NONE,
             velocity: if d.kind == BodyKind::Fixed { Vec3::ZERO } else { d.velocity },
@@ -213,6 +219,7 @@ impl World {
         for j in self.bodies[slot].joints.clone() {
             self.drop_joint(j);
         }
+        self.drop_vehicle(self.bodies[slot].vehicle);
         for s in self.bodies[slot].shapes.clone() {
             self.drop_shape(s);
         }

@@ -44,6 +44,10 @@ handle! {
     JointId
 }
 handle! {
+    /// Names a vehicle of a [`crate::World`].
+    VehicleId
+}
+handle! {
     /// Names a field of a [`crate::World`].
     FieldId
 }

@@ -55,6 +55,13 @@ impl StageObserver for ByStage {
 /// A drum with a mesh for a floor below it, a sensor, bouncing balls, and bodies that fall asleep and are woken.
 fn world() -> World {
     let (mut world, mut rng) = (World::new(WorldDesc::default()).expect("valid"), Rng::new(21));
+    // A car and a tank in circles, beside all that.
+    let road = ShapeDesc::cuboid([60.0, 1.0, 60.0]).at([100.0, -7.0, 0.0]).friction(1.0);
+    world.add_body(BodyDesc::fixed().shape(road)).expect("valid");
+    for (kit, z) in [(jounce::vehicles::car(), -20.0), (jounce::vehicles::tank(), 20.0)] {
+        let v = kit.add(&mut world, [100.0, -6.0, z], Quat::IDENTITY).expect("valid");
+        world.set_vehicle_input(v, VehicleInput::drive(0.2, 1.0)).expect("valid");
+    }
     let mut add = |d| world.add_body(d).expect("valid");
     let mut drum = BodyDesc::kinematic().angular_velocity([0.0, 0.0, 1.0]);
     for k in 0..8 {

@@ -5,3 +5,4 @@ pub mod fields;
 pub mod joints;
 pub mod particles;
 pub mod rigid;
+pub mod vehicles;
