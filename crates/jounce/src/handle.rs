@@ -47,3 +47,7 @@ handle! {
     /// Names a field of a [`crate::World`].
     FieldId
 }
+handle! {
+    /// Names a character of a [`crate::World`].
+    CharacterId
+}

@@ -46,10 +46,14 @@ pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
 pub use debug_draw::{DebugColor, DebugDraw, DebugDrawOptions};
 pub use error::{Error, Result};
 pub use event::Event;
-pub use handle::{BodyId, EmitterId, FieldId, JointId, ShapeId};
+pub use handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId};
 pub use hash::StateHasher;
 pub use hooks::{ContactHook, ContactView, FilterHook, PairView, ParticleHook};
 pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
+pub use room::characters::desc::{
+    CharacterDesc, CharacterGround, CharacterHit, CharacterInput, CharacterKind, CharacterMove, CharacterMover,
+};
+pub use room::characters::view::CharacterRef;
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
 pub use room::contacts::state::Surface;
 pub use room::fields::desc::{

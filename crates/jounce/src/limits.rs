@@ -35,6 +35,12 @@ pub const IMPACT_ROUNDS_MAX: usize = 256;
 pub const JOINTS_MAX: usize = 1 << 22;
 /// Most joints of one body.
 pub const JOINTS_PER_BODY_MAX: usize = 1 << 16;
+/// Most characters in a world.
+pub const CHARACTERS_MAX: usize = 1 << 14;
+/// Most shapes near a character that a move looks at.
+pub const CHARACTER_SHAPES_MAX: usize = 1 << 12;
+/// Most hits that a move of a character tells.
+pub const CHARACTER_HITS_MAX: usize = 16;
 /// Most fields in a world.
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.

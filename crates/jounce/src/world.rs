@@ -3,8 +3,10 @@
 use crate::command::{Command, Output};
 use crate::error::{Error, Result};
 use crate::event::Event;
-use crate::handle::{BodyId, EmitterId, FieldId, JointId, ShapeId};
+use crate::handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId};
 use crate::hooks::Hooks;
+use crate::room::characters::desc::{CharacterDesc, CharacterInput};
+use crate::room::characters::state::Characters;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
 use crate::room::fields::state::Fields;
 use crate::room::joints::state::Joints;
@@ -57,6 +59,7 @@ pub struct World {
     pub(crate) fields: Fields,
     pub(crate) particles: Particles,
     pub(crate) joints: Joints,
+    pub(crate) characters: Characters,
 
     /// What happened since the last step ended (edits), then in the step being made; told as it ends.
     pub(crate) events: Vec<Event>,
@@ -148,6 +151,8 @@ pub struct Counts {
     pub overflow: usize,
     /// Joints, broken ones too.
     pub joints: usize,
+    /// Characters.
+    pub characters: usize,
     /// Emitters.
     pub emitters: usize,
     /// Particles of all emitters.
@@ -198,6 +203,7 @@ impl World {
             fields: Fields::default(),
             particles: Particles::default(),
             joints: Joints::default(),
+            characters: Characters::default(),
             events: Vec::new(),
             told: Told::default(),
             queue: Vec::new(),
@@ -300,6 +306,7 @@ impl World {
             colors: self.scratch.colors_used(),
             overflow: self.scratch.overflow_rows(),
             joints: self.joints.table.len(),
+            characters: self.characters.table.len(),
             emitters: self.particles.emitters.len(),
             particles: self.particles.count,
         }
@@ -405,6 +412,32 @@ impl World {
         match self.apply(Command::AddJoint(Box::new(desc)))? {
             Output::Joint(id) => Ok(id),
             _ => Err(Error::Unsupported { what: "add_joint", advice: "expected a joint" }),
+        }
+    }
+    /// Adds a character with its body.
+    ///
+    /// ```
+    /// use jounce::{CharacterDesc, CharacterInput, prelude::*};
+    ///
+    /// # fn main() -> jounce::Result<()> {
+    /// let mut world = World::new(WorldDesc::default())?;
+    /// world.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y)))?;
+    /// let hero = world.add_character(CharacterDesc::at([0.0, 0.0, 0.0]))?;
+    /// world.set_character_input(hero, CharacterInput::walk([3.0, 0.0, 0.0]))?;
+    /// for _ in 0..60 {
+    ///     world.step()?;
+    /// }
+    /// assert!(world.character(hero)?.is_grounded() && world.character(hero)?.position().x > 2.5);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A description out of range, named.
+    pub fn add_character(&mut self, desc: CharacterDesc) -> Result<CharacterId> {
+        match self.apply(Command::AddCharacter(Box::new(desc)))? {
+            Output::Character(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_character", advice: "expected a character" }),
         }
     }
     /// Adds an emitter of particles.
@@ -525,6 +558,12 @@ sugar! {
     set_joint(joint: JointId, kind: JointKind) => Command::SetJoint(joint, Box::new(kind));
     /// Takes a joint out of the simulation, or back in (a broken one too).
     set_joint_enabled(joint: JointId, enabled: bool) => Command::SetJointEnabled(joint, enabled);
+    /// Removes a character with its body.
+    remove_character(character: CharacterId) => Command::RemoveCharacter(character);
+    /// What a character is asked to do from the next step on.
+    set_character_input(character: CharacterId, input: CharacterInput) => Command::SetCharacterInput(character, input);
+    /// Replaces a character's description, but for its kind, place, heading, name and number.
+    set_character(character: CharacterId, desc: CharacterDesc) => Command::SetCharacter(character, Box::new(desc));
     /// Sets the world's gravity, m/s².
     set_gravity(gravity: Vec3) => Command::SetGravity(gravity);
     /// Sets the solver's constants.
