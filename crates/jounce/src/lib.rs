@@ -73,6 +73,9 @@ pub use room::particles::desc::{
 };
 pub use room::particles::presets as particles;
 pub use room::particles::view::{EmitterRef, ParticleSlices, ParticleView};
+pub use room::ragdoll::desc::{BoneDesc, BoneJoint, BoneJointKind, Ragdoll, RagdollDesc};
+pub use room::ragdoll::grab::Grab;
+pub use room::ragdoll::pose::{BonePose, PoseDrive, blend_poses};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use settings::{Settings, WorldDesc};
 pub use step::{Stage, StageHashes, StageObserver};

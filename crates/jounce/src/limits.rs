@@ -41,6 +41,8 @@ pub const CHARACTERS_MAX: usize = 1 << 14;
 pub const CHARACTER_SHAPES_MAX: usize = 1 << 12;
 /// Most hits that a move of a character tells.
 pub const CHARACTER_HITS_MAX: usize = 16;
+/// Most bones of a ragdoll.
+pub const BONES_MAX: usize = 1 << 10;
 /// Most fields in a world.
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.

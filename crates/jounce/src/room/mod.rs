@@ -5,4 +5,5 @@ pub mod contacts;
 pub mod fields;
 pub mod joints;
 pub mod particles;
+pub mod ragdoll;
 pub mod rigid;
