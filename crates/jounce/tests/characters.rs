@@ -170,7 +170,7 @@ fn flat_seams_are_not_felt() {
     let mut floors: Vec<(&str, World)> = Vec::new();
     let mut w = world();
     for i in -1..14 {
-        for j in -2..2 {
+        for j in -2..5 {
             block(&mut w, [f64::from(i) + 0.5, -0.5, f64::from(j) + 0.5], [0.5, 0.5, 0.5]);
         }
     }
@@ -317,7 +317,7 @@ fn ceilings_end_a_jump_and_low_passages_need_a_crouch() {
     assert!(look(&w, free).is_crouched() && at(&w, free).x > 12.0, "{:?}", at(&w, free));
     run(&mut w, 2.0);
     assert!(!look(&w, free).is_crouched() && at(&w, free).x > 15.0, "{:?}", at(&w, free));
-    let height = w.shape(look(&w, free).shape()).unwrap().geometry().clone();
+    let height = w.shape(look(&w, free).shape()).unwrap().shape().clone();
     assert!(matches!(height, Shape::Capsule { half_height, radius } if (half_height + radius - 0.9).abs() < 1e-6));
 }
 
@@ -389,6 +389,7 @@ fn moving_walls_push() {
     assert!(!look(&w, c).is_squeezed());
     w.set_velocity(press, Vec3::new(0.0, -1.0, 0.0)).unwrap();
     run(&mut w, 1.2);
+    println!("pressed: {:?} {:?}", at(&w, c), w.body(press).unwrap().position());
     assert!(look(&w, c).is_squeezed());
 }
 
@@ -427,8 +428,11 @@ fn heavy_bodies_push_it_and_light_ones_do_not() {
     w.add_body(d.shape(ShapeDesc::cuboid([0.5, 0.75, 0.5]).mass(2000.0).friction(0.2))).unwrap();
     let c = hero(&mut w, [0.0, SKIN, 0.0]);
     run(&mut w, 2.0);
-    // v²/2µg = 4.1 m, of which 1.2 m are the gap.
-    assert!(at(&w, c).x > 1.5 && at(&w, c).x < 4.0, "{:?}", at(&w, c));
+    // µ = √(0.2·0.6). It meets it after 1.19 m with v² = 16 − 2µg·1.19, and then has µg + F/m against it.
+    let g = 9.81 * (0.2 * 0.6_f64).sqrt();
+    let want = (16.0 - 2.0 * g * 1.19) / (2.0 * (g + 300.0 / 2000.0));
+    // One step of its way: what comes on is met a step ahead.
+    assert!((at(&w, c).x - want).abs() < 4.0 / 60.0, "{:?} for {want}", at(&w, c));
     let c = hero(&mut w, [0.0, SKIN, 10.0]);
     let d = BodyDesc::dynamic().at([-2.0, 1.0, 10.0]).velocity([15.0, 0.0, 0.0]);
     let ball = w.add_body(d.shape(ShapeDesc::sphere(0.11).mass(0.43).restitution(0.5))).unwrap();

@@ -176,8 +176,9 @@ fn walk(
     if c.desc.turns_with_ground {
         c.heading += turn;
     }
+    let moved = out.foot != c.foot;
     settle(c, &out, ground.map_or(Vec3::ZERO, |_| way * (1.0 / dt)), dt);
-    push(world, c, step);
+    push(world, c, step, moved);
     lead(world, c, ahead);
 }
 
@@ -230,7 +231,7 @@ fn steer(c: &mut Character, gravity: Vec3, dt: f32) {
             flat += across(g.velocity, up);
             rise = f32s::max(g.velocity.dot(up), 0.0);
         }
-        if c.input.walk != Vec3::ZERO || c.ground.is_some() {
+        if c.input.walk != Vec3::ZERO {
             flat += clamped(across(c.input.walk, up) - flat, d.air_acceleration * dt);
         }
         if let Some(j) = c.input.jump.take() {
@@ -276,9 +277,9 @@ fn settle(c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
                 flat += across(carried, up);
                 rise = f32s::max(carried.dot(up), 0.0);
             } else if out.on_steep && rise < 0.0 {
-                // Sliding down a slope: the fall is as fast as it really was.
-                let made = (out.foot - c.foot).as_vec3().dot(up) / dt;
-                rise = f32s::max(rise, f32s::min(made, 0.0));
+                // Down a slope: what the fall became along it.
+                flat += across(out.fell, up) * (1.0 / dt);
+                rise = f32s::min(out.fell.dot(up) / dt, 0.0);
             }
             c.air_time += dt;
         }
@@ -288,7 +289,7 @@ fn settle(c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
 }
 
 /// Impulses on what is in the way, and the weight on what it stands on.
-fn push(world: &mut World, c: &Character, step: &Step) {
+fn push(world: &mut World, c: &Character, step: &Step, moved: bool) {
     let up = c.desc.mover.up;
     let ground = c.ground.map_or(Vec3::ZERO, |g| g.velocity);
     let wanted = across(c.input.walk, up) + across(ground, up);
@@ -304,15 +305,15 @@ fn push(world: &mut World, c: &Character, step: &Step) {
     }
     if let Some(g) = &c.ground {
         let weight = up * f32s::min(world.gravity.dot(up), 0.0) * (c.desc.mass * c.desc.gravity_scale);
-        weigh(world, g, weight, step.dt);
+        weigh(world, g, weight, step.dt, moved);
     }
 }
 
-/// A force on what carries a character, while that is awake; a sleeper bears it already.
-fn weigh(world: &mut World, g: &CharacterGround, force: Vec3, dt: f32) {
+/// A force on what carries a character, while that is awake or the character moves; a sleeper bears one that stands already.
+fn weigh(world: &mut World, g: &CharacterGround, force: Vec3, dt: f32, moved: bool) {
     let Ok(slot) = world.slot(g.body) else { return };
     let body = &world.bodies[slot];
-    if body.kind == BodyKind::Dynamic && body.row != NONE {
+    if body.kind == BodyKind::Dynamic && (moved || body.row != NONE) {
         let _ = world.do_impulse(g.body, force * dt, Vec3::ZERO, Some(g.point));
     }
 }
@@ -387,7 +388,7 @@ fn stand(world: &mut World, c: &mut Character, ahead: &[Ahead], scratch: &mut Mo
     let force = leg::force(&s);
     let _ = world.do_force(id, force, Vec3::ZERO, None);
     if let Some((g, _)) = &ground {
-        weigh(world, g, -force, dt);
+        weigh(world, g, -force, dt, false);
     }
     c.on_steep = steep.is_some();
     c.air_time = if ground.is_some() { 0.0 } else { c.air_time + dt };

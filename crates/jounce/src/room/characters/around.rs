@@ -240,6 +240,16 @@ impl Around<'_> {
         distance(shape, &self.capsule, &self.place(s).relative(&self.pose(foot)), reach).is_some()
     }
 
+    /// How far a dynamic body may come in a step.
+    fn comes_on(&self, body: u32) -> f32 {
+        let b = &self.world.bodies[body];
+        if b.kind != BodyKind::Dynamic || b.row == NONE || self.resist[1] <= 0.0 {
+            return 0.0;
+        }
+        let (v, w) = self.world.velocities(b);
+        (v.length() + w.length() * b.mass.outer_radius) * self.resist[2]
+    }
+
     /// Speed at which a dynamic body still comes on along n after the character withstood it; see the room's text.
     fn yields(&self, body: u32, point: DVec3, n: Vec3) -> f32 {
         let b = &self.world.bodies[body];
@@ -254,22 +264,26 @@ impl Around<'_> {
         f32s::max(speed * share - impulse / b.mass.mass, 0.0)
     }
 
-    /// Planes of all that is nearer than the skin: how far to go along each normal. One-way platforms are left out.
+    /// Planes of all that is near, if any of it is nearer than the skin: how far to go along each normal (negative where there is
+    /// room). One-way platforms are left out.
     pub fn planes(&mut self, foot: DVec3, out: &mut [Plane; PLANES_MAX]) -> usize {
         let skin = self.mover.skin;
         let at = self.pose(foot);
-        let bounds = world_bounds(&self.capsule, &at).expanded(skin);
+        let bounds = world_bounds(&self.capsule, &at).expanded(2.0 * skin);
         let mut found = core::mem::take(&mut self.scratch.found);
         let mut set = core::mem::take(&mut self.scratch.set);
         found.clear();
         for &s in &self.scratch.near {
-            if s == self.ignored || self.one_way(s) || !self.may_touch(s, &bounds) {
+            let r = &self.world.shapes[s];
+            let near = bounds.expanded(self.comes_on(r.body));
+            if s == self.ignored || self.one_way(s) || !self.may_touch(s, &near) {
                 continue;
             }
-            let r = &self.world.shapes[s];
             let place = self.place(s);
             let pose = place.relative(&at);
-            collide(&r.shape, &self.capsule, &pose, skin, &mut PairCache::default(), &mut set);
+            // A body that comes on is seen a step ahead.
+            let margin = 2.0 * skin + self.comes_on(r.body);
+            collide(&r.shape, &self.capsule, &pose, margin, &mut PairCache::default(), &mut set);
             for m in &set.manifolds {
                 let n = place.q.rotate(m.normal);
                 let Some(p) = m.points().iter().min_by(|a, b| a.separation.total_cmp(&b.separation)) else {
@@ -278,13 +292,12 @@ impl Around<'_> {
                 let surface = m.normal * (-0.5 * p.separation) + p.point;
                 let point = place.transform_point(surface);
                 let give = self.yields(r.body, point, n) * self.resist[2];
-                // A gap that is right but for the last few percent stays: what stands still stays still.
-                if p.separation < 0.95 * skin || give > 0.0 {
-                    found.push((Plane { n, least: skin - p.separation + give }, point));
-                }
+                found.push((Plane { n, least: skin - p.separation + give }, point));
             }
         }
-        let n = keep_needed(&mut found, 0.05 * skin, out);
+        // A gap that is right but for the last few percent stays: what stands still stays still.
+        let needed = found.iter().any(|f| f.0.least > 0.05 * skin);
+        let n = if needed { keep_needed(&mut found, 0.05 * skin, out) } else { 0 };
         (self.scratch.found, self.scratch.set) = (found, set);
         n
     }

@@ -18,6 +18,8 @@ const EDGE: f32 = 0.8;
 /// Where the face behind an edge is looked for, in skins from the edge, and from how high above it, in skins.
 const BEHIND: f32 = 2.0;
 const ABOVE: f32 = 3.0;
+/// Cosine to up below which an edge is beside, not below.
+const WALL: f32 = 0.1;
 /// Cosine to up below which a surface overhangs.
 const CEILING: f32 = -0.05;
 
@@ -38,6 +40,8 @@ pub(crate) struct Outcome {
     pub foot: DVec3,
     pub ground: Option<CharacterGround>,
     pub on_steep: bool,
+    /// The way down, and along what was too steep, m.
+    pub fell: Vec3,
     pub hit_ceiling: bool,
     pub stepped: f32,
     pub squeezed: bool,
@@ -143,14 +147,16 @@ impl<'a, 'b> Walk<'a, 'b> {
         }
         let (up, m) = (self.around.up, self.around.mover);
         let lean = across(h.normal, up);
-        if h.normal.dot(up) <= 0.0 {
+        if h.normal.dot(up) <= WALL || !self.face_behind(h).is_some_and(|n| self.walkable(n)) {
             return false;
         }
         let off = across((foot - h.point).as_vec3(), up).length();
-        if off > EDGE * m.radius && self.wanted.dot(lean) >= 0.0 {
-            return false;
+        if off <= EDGE * m.radius || self.wanted.dot(lean) < 0.0 {
+            return true;
         }
-        self.face_behind(h).is_some_and(|n| self.walkable(n))
+        // Off the edge of a step it goes down on the next one's ground, not through the air.
+        let below = self.around.face_under(foot, m.skin, f32s::max(m.snap, 2.0 * m.skin));
+        below.is_some_and(|n| self.walkable(n))
     }
 
     /// Normal of the face behind an edge.
@@ -236,7 +242,10 @@ impl<'a, 'b> Walk<'a, 'b> {
         let Some(h) = self.cast_down(over, a + m.skin) else { return false };
         let foot = over - (up * h.go).as_dvec3();
         let gained = a - h.go;
-        if gained <= 0.1 * m.skin || !(self.walkable(h.normal) || self.stands_on(&h)) {
+        // The edge itself is no higher than a step, measured from the ground a skin below the foot.
+        let height = (h.point - start).as_vec3().dot(up) + m.skin;
+        let low = height <= m.step_height + 0.5 * m.skin;
+        if gained <= 0.1 * m.skin || !low || !(self.walkable(h.normal) || self.stands_on(&h)) {
             return false;
         }
         (self.out.foot, self.out.stepped) = (foot, self.out.stepped + gained);
@@ -274,24 +283,24 @@ impl<'a, 'b> Walk<'a, 'b> {
     fn fall(&mut self, way: f32) {
         let (up, skin) = (self.around.up, self.around.mover.skin);
         let mut planes = [Plane::default(); PLANES_MAX];
-        // What it fell from may be in the way: a skin of look-out finds the ground it rests on.
+        // Even at the top of a jump a little look-out finds the ground.
         let (mut n, mut d) = (0, -up * f32s::max(way, 0.1 * skin));
+        let start = self.out.foot;
         for _ in 0..SLIDES {
             let down = across(d, up).length_squared() < 1e-12 * d.length_squared();
             let hit = if down { self.cast_down(self.out.foot, d.length()) } else { self.cast(d) };
-            let Some(h) = hit else {
-                self.out.foot += d.as_dvec3();
-                return;
-            };
             let length = d.length();
-            self.out.foot += (d * (h.go / length)).as_dvec3();
+            let go = hit.map_or(1.0, |h| h.go / length);
+            self.out.foot += (d * go).as_dvec3();
+            self.out.fell = (self.out.foot - start).as_vec3();
+            let Some(h) = hit else { return };
             if self.carries(self.out.foot, &h) {
                 return self.land(&h);
             }
             self.out.on_steep |= h.normal.dot(up) > 0.0;
             self.note(&h);
             (planes[n], n) = (Plane { n: h.normal, least: 0.0 }, n + 1);
-            d = nearest(d * (1.0 - h.go / length), &planes[..n]).0;
+            d = nearest(d * (1.0 - go), &planes[..n]).0;
             if d.length() < 1e-3 * skin || d.dot(up) >= 0.0 {
                 return;
             }
