@@ -388,7 +388,9 @@ fn stand(world: &mut World, c: &mut Character, ahead: &[Ahead], scratch: &mut Mo
     let force = leg::force(&s);
     let _ = world.do_force(id, force, Vec3::ZERO, None);
     if let Some((g, _)) = &ground {
-        weigh(world, g, -force, dt, false);
+        // One that has just landed, or walks, wakes a sleeper.
+        let stirs = c.air_time > 0.0 || v.length() > world.settings.sleep_speed;
+        weigh(world, g, -force, dt, stirs);
     }
     c.on_steep = steep.is_some();
     c.air_time = if ground.is_some() { 0.0 } else { c.air_time + dt };
