@@ -70,14 +70,15 @@ impl Extras<'_> {
         if let Some((rest, spring)) = axis.spring {
             self.push(row, Duty::Spring { rest, velocity: 0.0, spring, max: f32::INFINITY });
         }
+        // The direct solve drops the later of two rows that say the same: an end goes before what only brakes.
+        if let Some(limit) = axis.limit {
+            self.push(row, Duty::Limit(limit));
+        }
         if let Some(m) = axis.motor {
             self.push(row, Duty::motor(m.target, m.max_force));
         }
         if axis.friction > 0.0 {
             self.push(row, Duty::Speed { speed: 0.0, max: axis.friction });
-        }
-        if let Some(limit) = axis.limit {
-            self.push(row, Duty::Limit(limit));
         }
     }
 }
@@ -203,6 +204,11 @@ impl Extra {
             }
             Duty::Spring { .. } => 0.0,
         }
+    }
+    /// A motor or friction that would have to give more than it can.
+    pub fn is_too_weak(&self, more: f64, h: f32) -> bool {
+        let total = (f64::from(self.impulse) + more) as f32;
+        matches!(self.duty, Duty::Speed { .. }) && self.allowed(total, h) != total
     }
     /// The nearest impulse that it can give in a substep.
     pub fn allowed(&self, impulse: f32, h: f32) -> f32 {
