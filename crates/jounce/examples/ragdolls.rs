@@ -105,7 +105,10 @@ fn main() -> jounce::Result<()> {
         if step % 60 == 0 || awake == 0 {
             let mean = total / f64::from(step);
             let energy = world.energy().kinetic;
-            println!("{:4.1} s: {awake} awake, kinetic {energy:.1} J, gap {gap:.4} m, beyond ends {excess:.2}°, {mean:.2} ms a step (at most {slowest:.1})", f64::from(step) / 60.0);
+            println!(
+                "{:4.1} s: {awake} awake, kinetic {energy:.1} J, gap {gap:.4} m, beyond ends {excess:.2}°, {mean:.2} ms a step (at most {slowest:.1})",
+                f64::from(step) / 60.0
+            );
         }
         if awake == 0 {
             break;

@@ -51,7 +51,8 @@ pub use hash::StateHasher;
 pub use hooks::{ContactHook, ContactView, FilterHook, PairView, ParticleHook};
 pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
 pub use room::characters::desc::{
-    CharacterDesc, CharacterGround, CharacterHit, CharacterInput, CharacterKind, CharacterMove, CharacterMover,
+    CharacterDesc, CharacterGround, CharacterHit, CharacterInput, CharacterKind, CharacterMove,
+    CharacterMover,
 };
 pub use room::characters::view::CharacterRef;
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};

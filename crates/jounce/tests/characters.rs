@@ -7,7 +7,8 @@ use jounce::geometry::{HeightField, TriMesh, TriMeshOptions};
 use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
 use jounce::{
-    CharacterDesc, CharacterId, CharacterInput, CharacterKind, CharacterMover, CharacterRef, Command, StageHashes,
+    CharacterDesc, CharacterId, CharacterInput, CharacterKind, CharacterMover, CharacterRef, Command,
+    StageHashes,
 };
 use std::sync::Arc;
 
@@ -261,7 +262,8 @@ fn edges_do_not_jitter() {
     for s in [-1.0_f32, 1.0] {
         let q = Quat::from_axis_angle(Vec3::Y, s * 30.0_f32.to_radians());
         let at = q.rotate(Vec3::new(3.0, 1.0, s * 0.5)) + Vec3::new(-3.0, 0.0, 0.0);
-        w.add_body(BodyDesc::fixed().at(at.as_dvec3()).rotated(q).shape(ShapeDesc::cuboid([3.0, 1.0, 0.5]))).unwrap();
+        w.add_body(BodyDesc::fixed().at(at.as_dvec3()).rotated(q).shape(ShapeDesc::cuboid([3.0, 1.0, 0.5])))
+            .unwrap();
     }
     let c = hero(&mut w, [3.0, SKIN, 0.0]);
     walk(&mut w, c, [-3.0, 0.0, 0.3]);
@@ -318,14 +320,18 @@ fn ceilings_end_a_jump_and_low_passages_need_a_crouch() {
     run(&mut w, 2.0);
     assert!(!look(&w, free).is_crouched() && at(&w, free).x > 15.0, "{:?}", at(&w, free));
     let height = w.shape(look(&w, free).shape()).unwrap().shape().clone();
-    assert!(matches!(height, Shape::Capsule { half_height, radius } if (half_height + radius - 0.9).abs() < 1e-6));
+    assert!(
+        matches!(height, Shape::Capsule { half_height, radius } if (half_height + radius - 0.9).abs() < 1e-6)
+    );
 }
 
 /// Carried along, up and down, and round, by kinematic bodies; velocity is taken along in a jump.
 #[test]
 fn platforms_carry() {
     let mut w = world();
-    let lift = w.add_body(BodyDesc::kinematic().at([0.0, -0.5, 0.0]).shape(ShapeDesc::cuboid([2.0, 0.5, 2.0]))).unwrap();
+    let lift = w
+        .add_body(BodyDesc::kinematic().at([0.0, -0.5, 0.0]).shape(ShapeDesc::cuboid([2.0, 0.5, 2.0])))
+        .unwrap();
     let c = hero(&mut w, [0.5, SKIN, 0.5]);
     run(&mut w, 0.1);
     w.set_velocity(lift, Vec3::new(2.0, 1.0, -1.0)).unwrap();
@@ -342,7 +348,9 @@ fn platforms_carry() {
     assert!((v - Vec3::new(2.0, 4.0, -1.0)).length() < 0.05, "{v:?}");
     // By targets, downwards and fast.
     let mut w = world();
-    let lift = w.add_body(BodyDesc::kinematic().at([0.0, -0.5, 0.0]).shape(ShapeDesc::cuboid([2.0, 0.5, 2.0]))).unwrap();
+    let lift = w
+        .add_body(BodyDesc::kinematic().at([0.0, -0.5, 0.0]).shape(ShapeDesc::cuboid([2.0, 0.5, 2.0])))
+        .unwrap();
     let c = hero(&mut w, [0.5, SKIN, 0.5]);
     run(&mut w, 0.1);
     for i in 0..60 {
@@ -353,7 +361,8 @@ fn platforms_carry() {
     }
     // A turntable: it stays where it stands on it, and turns with it.
     let mut w = world();
-    let table = w.add_body(BodyDesc::kinematic().at([0.0, -0.5, 0.0]).shape(ShapeDesc::cylinder(0.5, 3.0))).unwrap();
+    let table =
+        w.add_body(BodyDesc::kinematic().at([0.0, -0.5, 0.0]).shape(ShapeDesc::cylinder(0.5, 3.0))).unwrap();
     let c = hero(&mut w, [2.0, SKIN, 0.0]);
     run(&mut w, 0.1);
     w.set_angular_velocity(table, Vec3::new(0.0, 1.0, 0.0)).unwrap();
@@ -383,7 +392,9 @@ fn moving_walls_push() {
     }
     let mut w = world();
     floor(&mut w);
-    let press = w.add_body(BodyDesc::kinematic().at([0.0, 3.0, 0.0]).shape(ShapeDesc::cuboid([1.0, 0.5, 1.0]))).unwrap();
+    let press = w
+        .add_body(BodyDesc::kinematic().at([0.0, 3.0, 0.0]).shape(ShapeDesc::cuboid([1.0, 0.5, 1.0])))
+        .unwrap();
     let c = hero(&mut w, [0.0, SKIN, 0.0]);
     run(&mut w, 0.1);
     assert!(!look(&w, c).is_squeezed());
@@ -399,7 +410,9 @@ fn it_pushes_a_box_of_10_kg_but_not_one_of_1000_kg() {
         let mut w = world();
         floor(&mut w);
         let b = w
-            .add_body(BodyDesc::dynamic().at([1.5, 0.5, 0.0]).shape(ShapeDesc::cuboid([0.5, 0.5, 0.5]).mass(mass)))
+            .add_body(
+                BodyDesc::dynamic().at([1.5, 0.5, 0.0]).shape(ShapeDesc::cuboid([0.5, 0.5, 0.5]).mass(mass)),
+            )
             .unwrap();
         let c = hero(&mut w, [0.0, SKIN, 0.0]);
         walk(&mut w, c, [2.0, 0.0, 0.0]);
@@ -447,7 +460,9 @@ fn it_weighs_on_what_it_stands_on() {
     let mut w = world();
     let post = w.add_body(BodyDesc::fixed()).unwrap();
     let plank = w
-        .add_body(BodyDesc::dynamic().at([0.0, 1.0, 0.0]).shape(ShapeDesc::cuboid([3.0, 0.1, 0.5]).mass(40.0)))
+        .add_body(
+            BodyDesc::dynamic().at([0.0, 1.0, 0.0]).shape(ShapeDesc::cuboid([3.0, 0.1, 0.5]).mass(40.0)),
+        )
         .unwrap();
     w.add_joint(JointDesc::hinge(post, plank, [0.0, 1.0, 0.0], Vec3::Z).limited(-0.3, 0.3)).unwrap();
     run(&mut w, 0.5);
@@ -500,13 +515,19 @@ fn the_move_for_games_slides_climbs_and_pushes() {
     }
     assert!((p.y - 1.5 - SKIN).abs() < 1e-3 && grounded && climbed > 1.0, "{p:?} {climbed}");
     let b = w
-        .add_body(BodyDesc::dynamic().at([-2.0, 0.5, 0.0]).shape(ShapeDesc::cuboid([0.5, 0.5, 0.5]).mass(10.0)))
+        .add_body(
+            BodyDesc::dynamic().at([-2.0, 0.5, 0.0]).shape(ShapeDesc::cuboid([0.5, 0.5, 0.5]).mass(10.0)),
+        )
         .unwrap();
     let want = Vec3::new(-2.0, 0.0, 0.0);
-    let made =
-        w.move_character(&m, DVec3::new(-1.1, SKIN, 0.0), want, true, &filter.excluding(BodyId::from_bits(0))).unwrap();
+    let made = w
+        .move_character(&m, DVec3::new(-1.1, SKIN, 0.0), want, true, &filter.excluding(BodyId::from_bits(0)))
+        .unwrap();
     let pushes = w.character_push(&made, Vec3::Y, want, 300.0);
-    assert!(matches!(pushes[..], [Command::AddImpulse(x, j, _)] if x == b && (j.x + 5.0).abs() < 1e-3), "{pushes:?}");
+    assert!(
+        matches!(pushes[..], [Command::AddImpulse(x, j, _)] if x == b && (j.x + 5.0).abs() < 1e-3),
+        "{pushes:?}"
+    );
 }
 
 #[test]
@@ -560,7 +581,8 @@ fn crowd() -> (World, Vec<CharacterId>) {
     let mut w = world();
     floor(&mut w);
     stairs(&mut w, 0.25);
-    let table = w.add_body(BodyDesc::kinematic().at([-4.0, 0.1, 0.0]).shape(ShapeDesc::cylinder(0.1, 2.5))).unwrap();
+    let table =
+        w.add_body(BodyDesc::kinematic().at([-4.0, 0.1, 0.0]).shape(ShapeDesc::cylinder(0.1, 2.5))).unwrap();
     w.set_angular_velocity(table, Vec3::new(0.0, 0.7, 0.0)).unwrap();
     for i in 0..12 {
         let at = [f64::from(i % 4) - 1.5, 0.3, f64::from(i / 4) * 0.8 - 4.0];

@@ -385,6 +385,21 @@ fn cone_and_twist_hold_a_limb() {
     assert!(twist > 0.2 && twist < 0.3 + 0.05, "{twist}");
 }
 
+/// Friction that could hold a bar where it is leaves its end the last word: both are the same row.
+#[test]
+fn ends_go_before_friction() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let wall = anchor(&mut w);
+    let b = rod_body(&mut w, [0.5, 0.0, 0.0], [0.5, 0.05, 0.05], 1.0);
+    let mut d = JointDesc::hinge(wall, b, [0.0; 3], Vec3::Y).limited(-1.0, -0.2);
+    let JointKind::Hinge(axis) = &mut d.kind else { panic!() };
+    axis.friction = 50.0;
+    let j = w.add_joint(d).unwrap();
+    run(&mut w, 1.0);
+    let q = w.joint(j).unwrap().coordinate();
+    assert!(q < -0.19, "beyond its end by {} rad", q + 0.2);
+}
+
 #[test]
 fn joints_break_at_their_force_and_not_before() {
     for (mass, breaks) in [(9.0, false), (11.0, true)] {

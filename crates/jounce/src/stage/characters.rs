@@ -184,7 +184,8 @@ fn walk(
 
 /// Moving walls: in parts small against the radius.
 fn shove(w: &mut Walk<'_, '_>) {
-    let fastest = w.around.ahead.iter().fold(0.0, |m, a| f32s::max(m, (a.to.p - a.from.p).as_vec3().length()));
+    let fastest =
+        w.around.ahead.iter().fold(0.0, |m, a| f32s::max(m, (a.to.p - a.from.p).as_vec3().length()));
     let parts = f32s::clamp((fastest / (0.25 * w.around.mover.radius)).ceil(), 1.0, PARTS_MAX);
     for i in 1..parts as u32 {
         w.around.part = i as f32 / parts;
@@ -396,7 +397,10 @@ fn stand(world: &mut World, c: &mut Character, ahead: &[Ahead], scratch: &mut Mo
     c.air_time = if ground.is_some() { 0.0 } else { c.air_time + dt };
     c.ground = ground.map(|g| g.0);
     c.velocity = v - c.ground.map_or(Vec3::ZERO, |g| g.velocity);
-    if c.desc.turns_with_ground && let Some((g, _)) = &ground && let Ok(slot) = world.slot(g.body) {
+    if c.desc.turns_with_ground
+        && let Some((g, _)) = &ground
+        && let Ok(slot) = world.slot(g.body)
+    {
         let turn = world.velocities(&world.bodies[slot]).1.dot(up) * dt;
         c.heading += turn;
     }

@@ -160,7 +160,9 @@ impl Around<'_> {
     /// Do a shape's bounds meet a box at all? The bounds of bodies that move ahead are not known.
     fn may_touch(&self, s: u32, bounds: &Aabb) -> bool {
         let r = &self.world.shapes[s];
-        matches!(r.shape, Shape::HalfSpace { .. }) || self.ahead_of(r.body).is_some() || r.fat.overlaps(bounds)
+        matches!(r.shape, Shape::HalfSpace { .. })
+            || self.ahead_of(r.body).is_some()
+            || r.fat.overlaps(bounds)
     }
 
     /// The first shape in the way from `foot` along `motion`; the lowest slot of equals. `blocks` says which count, given slot and
@@ -179,8 +181,7 @@ impl Around<'_> {
             }
             let place = self.place(s);
             let along = place.q.inverse_rotate(sweep);
-            let Some(h) =
-                cast_shape(&self.world.shapes[s].shape, &self.capsule, &place.relative(&at), along)
+            let Some(h) = cast_shape(&self.world.shapes[s].shape, &self.capsule, &place.relative(&at), along)
             else {
                 continue;
             };

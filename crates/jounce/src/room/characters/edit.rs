@@ -59,11 +59,7 @@ impl World {
             ..Material::default()
         };
         let material = if walker { Material::default() } else { surface };
-        let shape = ShapeDesc::new(shape)
-            .at(pose.p)
-            .mass(d.mass)
-            .material(material)
-            .filter(d.filter);
+        let shape = ShapeDesc::new(shape).at(pose.p).mass(d.mass).material(material).filter(d.filter);
         let mut body = BodyDesc::new(if walker { BodyKind::Kinematic } else { BodyKind::Dynamic })
             .at(d.position)
             .rotated(d.rotation(d.heading))

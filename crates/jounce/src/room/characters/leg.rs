@@ -38,7 +38,9 @@ const PUSH_MAX: f32 = 20.0;
 
 /// Force on the character, N.
 pub(crate) fn force(s: &Stand<'_>) -> Vec3 {
-    let CharacterKind::Dynamic { leg_hertz, leg_damping_ratio, force } = s.desc.kind else { return Vec3::ZERO };
+    let CharacterKind::Dynamic { leg_hertz, leg_damping_ratio, force } = s.desc.kind else {
+        return Vec3::ZERO;
+    };
     let g = f32s::max(-s.gravity.dot(s.up), 0.0);
     let relative = s.velocity - s.ground_velocity;
     let m = s.desc.mass;

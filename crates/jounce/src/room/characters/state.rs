@@ -62,7 +62,8 @@ impl Characters {
         for (i, c) in self.table.iter() {
             h.pair(i, c.body);
             h.word(c.shape.to_bits());
-            let flags = [c.crouched, c.on_steep, c.hit_ceiling, c.squeezed, c.input.crouch, c.input.drop_through];
+            let flags =
+                [c.crouched, c.on_steep, c.hit_ceiling, c.squeezed, c.input.crouch, c.input.drop_through];
             h.pair(flags.iter().fold(0, |x, &f| (x << 1) | u32::from(f)), c.hits.len() as u32);
             h.vec3(c.input.walk);
             h.floats(c.input.jump.unwrap_or(-1.0), c.input.heading.unwrap_or(f32::MAX));

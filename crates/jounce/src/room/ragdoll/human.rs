@@ -183,10 +183,9 @@ fn bone(row: &Row) -> BoneDesc {
         .material(material);
     let kind = match row.kind {
         Kind::Root => None,
-        Kind::Ball(cone, lo, hi) => Some(BoneJointKind::Ball {
-            cone: cone.to_radians(),
-            twist: [lo.to_radians(), hi.to_radians()],
-        }),
+        Kind::Ball(cone, lo, hi) => {
+            Some(BoneJointKind::Ball { cone: cone.to_radians(), twist: [lo.to_radians(), hi.to_radians()] })
+        }
         Kind::Hinge(lo, hi) => Some(BoneJointKind::Hinge { range: [lo.to_radians(), hi.to_radians()] }),
     };
     let part = match row.name {

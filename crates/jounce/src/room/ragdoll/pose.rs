@@ -5,7 +5,7 @@ use crate::error::{Result, check};
 use crate::room::joints::desc::SpringDesc;
 use crate::room::rigid::desc::{BodyKind, check_rotation, check_spin};
 use crate::world::World;
-use jounce_math::{Quat, Vec3, WorldPose, scalar::f64s, scalar::f32s};
+use jounce_math::{Quat, Vec3, WorldPose, scalar::f32s, scalar::f64s};
 
 /// Where a bone should be against its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
