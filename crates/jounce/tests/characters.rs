@@ -602,11 +602,11 @@ fn crowd() -> (World, Vec<CharacterId>) {
 
 fn order(w: &mut World, ids: &[CharacterId], step: usize) {
     for (i, &c) in ids.iter().enumerate() {
-        if (step + 7 * i) % 40 == 0 {
+        if (step + 7 * i).is_multiple_of(40) {
             let t = (step + 31 * i) as f32;
             let mut input = CharacterInput::walk([2.5 * f32s::cos(t), 0.0, 2.5 * f32s::sin(t)]);
-            input.crouch = (step / 40 + i) % 3 == 0;
-            input.jump = ((step + i) % 5 == 0).then_some(4.0);
+            input.crouch = (step / 40 + i).is_multiple_of(3);
+            input.jump = (step + i).is_multiple_of(5).then_some(4.0);
             w.queue(Command::SetCharacterInput(c, input)).unwrap();
         }
     }
