@@ -9,6 +9,7 @@ use super::{Step, broadphase};
 use crate::edit::world_bounds;
 use crate::room::contacts::state::Place;
 use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_geometry::{Aabb, Manifold, PairCache, Shape, Sweep, TimeOfImpact, collide, time_of_impact};
 use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
@@ -40,6 +41,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             }
         }
     }
+    stop_together(world, &mut hits);
     for &(slot, t) in &hits {
         let f = &mut world.frames[slot as usize];
         let turned = f.rotation;
@@ -57,6 +59,34 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         world.refresh_inertia(slot);
     }
     world.scratch.hits = hits;
+}
+
+/// Bodies that hang together by joints stop together, with the first of them: a bone that stopped alone would be torn from its joint
+/// by the way it gave up, v Δt, and flung back by as much.
+fn stop_together(world: &World, hits: &mut Vec<(u32, f32)>) {
+    if hits.is_empty() {
+        return;
+    }
+    hits.sort_unstable_by_key(|h| h.0);
+    for set in &world.scratch.joints.sets {
+        let found = |slot: u32, hits: &[(u32, f32)]| hits.binary_search_by_key(&slot, |h| h.0).ok();
+        let mut first = 1.0;
+        for b in &set.bodies {
+            if let Some(i) = found(b.slot, hits) {
+                first = f32s::min(first, hits[i].1);
+            }
+        }
+        if first >= 1.0 {
+            continue;
+        }
+        for b in set.bodies.iter().filter(|b| world.bodies[b.slot].kind == BodyKind::Dynamic) {
+            match hits.binary_search_by_key(&b.slot, |h| h.0) {
+                Ok(i) => hits[i].1 = first,
+                Err(i) if world.bodies[b.slot].row != NONE => hits.insert(i, (b.slot, first)),
+                Err(_) => {}
+            }
+        }
+    }
 }
 
 /// Fraction of the step after which the body first meets something it must not pass.
