@@ -72,6 +72,7 @@ fn worst(world: &World, doll: &Ragdoll) -> jounce::Result<(f32, f32)> {
     Ok((gap, excess))
 }
 
+#[expect(clippy::disallowed_methods, reason = "an example measures; the core reads no clock")]
 fn main() -> jounce::Result<()> {
     let mut args = std::env::args().skip(1);
     let count: usize = args.next().and_then(|a| a.parse().ok()).unwrap_or(300);
