@@ -1,6 +1,7 @@
 //! Every edit of a world as plain data: recording, replay, rollback and the random-world tester use this
 //! one path, and the methods of [`crate::World`] are thin sugar over it.
 
+use crate::room::characters::desc::{CharacterDesc, CharacterInput};
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
 use crate::room::joints::desc::{JointDesc, JointKind};
@@ -8,7 +9,7 @@ use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 use crate::room::vehicles::desc::{VehicleDesc, VehicleInput};
 use crate::settings::Settings;
-use crate::{BodyId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
+use crate::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 use jounce_geometry::{MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
@@ -117,6 +118,14 @@ pub enum Command {
     SetVehicleInput(VehicleId, VehicleInput),
     /// Takes a vehicle out of the simulation, or back in; its wheels start anew.
     SetVehicleEnabled(VehicleId, bool),
+    /// Adds a character with its body; gives [`Output::Character`].
+    AddCharacter(Box<CharacterDesc>),
+    /// Removes a character with its body.
+    RemoveCharacter(CharacterId),
+    /// What a character is asked to do from the next step on.
+    SetCharacterInput(CharacterId, CharacterInput),
+    /// Replaces a character's description, but for its kind, place, heading, name and number.
+    SetCharacter(CharacterId, Box<CharacterDesc>),
     /// Sets the world's gravity, m/s²; wakes everything.
     SetGravity(Vec3),
     /// Sets the solver's constants; wakes everything.
@@ -140,4 +149,6 @@ pub enum Output {
     Joint(JointId),
     /// The new vehicle.
     Vehicle(VehicleId),
+    /// The new character.
+    Character(CharacterId),
 }

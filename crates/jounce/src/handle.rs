@@ -51,3 +51,7 @@ handle! {
     /// Names a field of a [`crate::World`].
     FieldId
 }
+handle! {
+    /// Names a character of a [`crate::World`].
+    CharacterId
+}

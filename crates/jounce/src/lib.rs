@@ -46,10 +46,15 @@ pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
 pub use debug_draw::{DebugColor, DebugDraw, DebugDrawOptions};
 pub use error::{Error, Result};
 pub use event::Event;
-pub use handle::{BodyId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
+pub use handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 pub use hash::StateHasher;
 pub use hooks::{ContactHook, ContactView, FilterHook, PairView, ParticleHook};
 pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
+pub use room::characters::desc::{
+    CharacterDesc, CharacterGround, CharacterHit, CharacterInput, CharacterKind, CharacterMove,
+    CharacterMover,
+};
+pub use room::characters::view::CharacterRef;
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
 pub use room::contacts::state::Surface;
 pub use room::fields::desc::{
@@ -70,6 +75,9 @@ pub use room::particles::desc::{
 };
 pub use room::particles::presets as particles;
 pub use room::particles::view::{EmitterRef, ParticleSlices, ParticleView};
+pub use room::ragdoll::desc::{BoneDesc, BoneJoint, BoneJointKind, Ragdoll, RagdollDesc};
+pub use room::ragdoll::grab::Grab;
+pub use room::ragdoll::pose::{BonePose, PoseDrive, blend_poses};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
 pub use room::vehicles::desc::{
     AeroSurfaceDesc, AntiRollDesc, BoardDesc, ClutchDesc, DifferentialDesc, DifferentialKind, DriveDesc,

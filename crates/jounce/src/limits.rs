@@ -45,6 +45,14 @@ pub const WHEELS_MAX: usize = 32;
 pub const TORQUE_POINTS_MAX: usize = 32;
 /// Most forward gears.
 pub const GEARS_MAX: usize = 32;
+/// Most characters in a world.
+pub const CHARACTERS_MAX: usize = 1 << 14;
+/// Most shapes near a character that a move looks at.
+pub const CHARACTER_SHAPES_MAX: usize = 1 << 12;
+/// Most hits that a move of a character tells.
+pub const CHARACTER_HITS_MAX: usize = 16;
+/// Most bones of a ragdoll.
+pub const BONES_MAX: usize = 1 << 10;
 /// Most fields in a world.
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.

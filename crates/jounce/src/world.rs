@@ -3,8 +3,10 @@
 use crate::command::{Command, Output};
 use crate::error::{Error, Result};
 use crate::event::Event;
-use crate::handle::{BodyId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
+use crate::handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 use crate::hooks::Hooks;
+use crate::room::characters::desc::{CharacterDesc, CharacterInput};
+use crate::room::characters::state::Characters;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
 use crate::room::fields::state::Fields;
 use crate::room::joints::state::Joints;
@@ -59,6 +61,7 @@ pub struct World {
     pub(crate) particles: Particles,
     pub(crate) joints: Joints,
     pub(crate) vehicles: Vehicles,
+    pub(crate) characters: Characters,
 
     /// What happened since the last step ended (edits), then in the step being made; told as it ends.
     pub(crate) events: Vec<Event>,
@@ -152,6 +155,8 @@ pub struct Counts {
     pub joints: usize,
     /// Vehicles.
     pub vehicles: usize,
+    /// Characters.
+    pub characters: usize,
     /// Emitters.
     pub emitters: usize,
     /// Particles of all emitters.
@@ -203,6 +208,7 @@ impl World {
             particles: Particles::default(),
             joints: Joints::default(),
             vehicles: Vehicles::default(),
+            characters: Characters::default(),
             events: Vec::new(),
             told: Told::default(),
             queue: Vec::new(),
@@ -306,6 +312,7 @@ impl World {
             overflow: self.scratch.overflow_rows(),
             joints: self.joints.table.len(),
             vehicles: self.vehicles.table.len(),
+            characters: self.characters.table.len(),
             emitters: self.particles.emitters.len(),
             particles: self.particles.count,
         }
@@ -425,6 +432,32 @@ impl World {
         match self.apply(Command::AddVehicle(Box::new(desc)))? {
             Output::Vehicle(id) => Ok(id),
             _ => Err(Error::Unsupported { what: "add_vehicle", advice: "expected a vehicle" }),
+        }
+    }
+    /// Adds a character with its body.
+    ///
+    /// ```
+    /// use jounce::{CharacterDesc, CharacterInput, prelude::*};
+    ///
+    /// # fn main() -> jounce::Result<()> {
+    /// let mut world = World::new(WorldDesc::default())?;
+    /// world.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y)))?;
+    /// let hero = world.add_character(CharacterDesc::at([0.0, 0.0, 0.0]))?;
+    /// world.set_character_input(hero, CharacterInput::walk([3.0, 0.0, 0.0]))?;
+    /// for _ in 0..60 {
+    ///     world.step()?;
+    /// }
+    /// assert!(world.character(hero)?.is_grounded() && world.character(hero)?.position().x > 2.5);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A description out of range, named.
+    pub fn add_character(&mut self, desc: CharacterDesc) -> Result<CharacterId> {
+        match self.apply(Command::AddCharacter(Box::new(desc)))? {
+            Output::Character(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_character", advice: "expected a character" }),
         }
     }
     /// Adds an emitter of particles.
@@ -554,6 +587,12 @@ sugar! {
     set_vehicle_input(vehicle: VehicleId, input: VehicleInput) => Command::SetVehicleInput(vehicle, input);
     /// Takes a vehicle out of the simulation, or back in; its wheels start anew.
     set_vehicle_enabled(vehicle: VehicleId, enabled: bool) => Command::SetVehicleEnabled(vehicle, enabled);
+    /// Removes a character with its body.
+    remove_character(character: CharacterId) => Command::RemoveCharacter(character);
+    /// What a character is asked to do from the next step on.
+    set_character_input(character: CharacterId, input: CharacterInput) => Command::SetCharacterInput(character, input);
+    /// Replaces a character's description, but for its kind, place, heading, name and number.
+    set_character(character: CharacterId, desc: CharacterDesc) => Command::SetCharacter(character, Box::new(desc));
     /// Sets the world's gravity, m/s².
     set_gravity(gravity: Vec3) => Command::SetGravity(gravity);
     /// Sets the solver's constants.

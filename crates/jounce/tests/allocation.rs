@@ -100,13 +100,19 @@ fn world() -> World {
     let d =
         EmitterDesc::new().at([0.0, 0.0, 0.5]).rate(2000.0).spread(2.0).lifetime(0.5, 2.0).linear_drag(0.3);
     world.add_emitter(d.turbulence(turbulence).collision(c)).expect("valid");
+    for (i, at) in [[-3.0, -5.2, -3.0], [3.0, -5.2, -3.0], [0.0, -5.2, 4.0]].into_iter().enumerate() {
+        let d = jounce::CharacterDesc::at(at);
+        let c = world.add_character(if i == 2 { d.dynamic() } else { d }).expect("valid");
+        let walk = jounce::CharacterInput::walk([0.3, 0.0, 0.2 * (i as f32 - 1.0)]);
+        world.set_character_input(c, walk).expect("alive");
+    }
     world
 }
 
 /// Kicks what sleeps on the floor now and then, without a command's box.
 fn kick(world: &mut World, bodies: &[BodyId], step: usize) {
     if step.is_multiple_of(60) {
-        for &b in &bodies[bodies.len() - 8..] {
+        for &b in &bodies[bodies.len() - 11..bodies.len() - 3] {
             world.set_velocity(b, Vec3::new(0.0, 2.0, 0.0)).expect("alive");
         }
     }

@@ -1,6 +1,7 @@
 //! The algorithm, in order: one file per stage.
 
 pub(crate) mod broadphase;
+pub(crate) mod characters;
 pub(crate) mod commands;
 pub(crate) mod continuous;
 pub(crate) mod fields;
