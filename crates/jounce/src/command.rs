@@ -1,13 +1,15 @@
 //! Every edit of a world as plain data: recording, replay, rollback and the random-world tester use this
 //! one path, and the methods of [`crate::World`] are thin sugar over it.
 
+use crate::room::characters::desc::{CharacterDesc, CharacterInput};
 use crate::room::contacts::desc::{Filter, Material, ShapeDesc};
 use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
 use crate::room::joints::desc::{JointDesc, JointKind};
 use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
+use crate::room::vehicles::desc::{VehicleDesc, VehicleInput};
 use crate::settings::Settings;
-use crate::{BodyId, EmitterId, FieldId, JointId, ShapeId};
+use crate::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 use jounce_geometry::{MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
@@ -106,6 +108,24 @@ pub enum Command {
     SetJoint(JointId, Box<JointKind>),
     /// Takes a joint out of the simulation, or back in (a broken one too).
     SetJointEnabled(JointId, bool),
+    /// Adds a vehicle to a body; gives [`Output::Vehicle`]; wakes it.
+    AddVehicle(Box<VehicleDesc>),
+    /// Removes a vehicle; its chassis stays.
+    RemoveVehicle(VehicleId),
+    /// Replaces a vehicle's description by another with as many wheels; wakes it.
+    SetVehicle(VehicleId, Box<VehicleDesc>),
+    /// What the driver does from now on; a change wakes the vehicle.
+    SetVehicleInput(VehicleId, VehicleInput),
+    /// Takes a vehicle out of the simulation, or back in; its wheels start anew.
+    SetVehicleEnabled(VehicleId, bool),
+    /// Adds a character with its body; gives [`Output::Character`].
+    AddCharacter(Box<CharacterDesc>),
+    /// Removes a character with its body.
+    RemoveCharacter(CharacterId),
+    /// What a character is asked to do from the next step on.
+    SetCharacterInput(CharacterId, CharacterInput),
+    /// Replaces a character's description, but for its kind, place, heading, name and number.
+    SetCharacter(CharacterId, Box<CharacterDesc>),
     /// Sets the world's gravity, m/s²; wakes everything.
     SetGravity(Vec3),
     /// Sets the solver's constants; wakes everything.
@@ -127,4 +147,8 @@ pub enum Output {
     Emitter(EmitterId),
     /// The new joint.
     Joint(JointId),
+    /// The new vehicle.
+    Vehicle(VehicleId),
+    /// The new character.
+    Character(CharacterId),
 }

@@ -93,6 +93,15 @@ impl World {
             C::RemoveJoint(j) => self.do_remove_joint(j)?,
             C::SetJoint(j, k) => self.do_set_joint(j, *k)?,
             C::SetJointEnabled(j, on) => self.do_enable_joint(j, on)?,
+            C::AddVehicle(d) => return self.do_add_vehicle(*d).map(Output::Vehicle),
+            C::RemoveVehicle(v) => self.do_remove_vehicle(v)?,
+            C::SetVehicle(v, d) => self.do_set_vehicle(v, *d)?,
+            C::SetVehicleInput(v, i) => self.do_set_vehicle_input(v, i)?,
+            C::SetVehicleEnabled(v, on) => self.do_enable_vehicle(v, on)?,
+            C::AddCharacter(d) => return self.do_add_character(*d).map(Output::Character),
+            C::RemoveCharacter(c) => self.do_remove_character(c)?,
+            C::SetCharacterInput(c, input) => self.do_set_character_input(c, input)?,
+            C::SetCharacter(c, d) => self.do_set_character(c, *d)?,
             C::SetGravity(g) => self.do_set_gravity(g)?,
             C::SetSettings(s) => {
                 s.check()?;
@@ -103,7 +112,7 @@ impl World {
         Ok(Output::Done)
     }
 
-    fn do_add_body(&mut self, d: BodyDesc) -> Result<BodyId> {
+    pub(crate) fn do_add_body(&mut self, d: BodyDesc) -> Result<BodyId> {
         d.check()?;
         let limit = |what, limit| Err(Error::Limit { what, limit });
         if self.bodies.len() >= limits::BODIES_MAX {
@@ -129,6 +138,7 @@ impl World {
             shapes: Vec::new(),
             contacts: Vec::new(),
             joints: Vec::new(),
+            vehicle: NONE,
             row: NONE,
             island: NONE,
             velocity: if d.kind == BodyKind::Fixed { Vec3::ZERO } else { d.velocity },
@@ -207,16 +217,18 @@ impl World {
         Ok(self.shape_id(s))
     }
 
-    fn do_remove_body(&mut self, b: BodyId) -> Result<()> {
+    pub(crate) fn do_remove_body(&mut self, b: BodyId) -> Result<()> {
         let slot = self.slot(b)?;
         self.enable_body(slot, false);
         for j in self.bodies[slot].joints.clone() {
             self.drop_joint(j);
         }
+        self.drop_vehicle(self.bodies[slot].vehicle);
         for s in self.bodies[slot].shapes.clone() {
             self.drop_shape(s);
         }
         self.bodies.remove(slot);
+        self.drop_character_of(slot);
         Ok(())
     }
 
@@ -250,7 +262,7 @@ impl World {
         Ok(())
     }
 
-    fn do_move_to(&mut self, b: BodyId, p: DVec3, q: Quat) -> Result<()> {
+    pub(crate) fn do_move_to(&mut self, b: BodyId, p: DVec3, q: Quat) -> Result<()> {
         let slot = self.slot(b)?;
         desc::check_position(p)?;
         desc::check_rotation(q)?;
@@ -280,7 +292,7 @@ impl World {
         }
     }
 
-    fn do_set_velocity(&mut self, b: BodyId, v: Option<Vec3>, w: Option<Vec3>) -> Result<()> {
+    pub(crate) fn do_set_velocity(&mut self, b: BodyId, v: Option<Vec3>, w: Option<Vec3>) -> Result<()> {
         let slot = self.slot(b)?;
         v.map_or(Ok(()), desc::check_velocity)?;
         w.map_or(Ok(()), desc::check_spin)?;
@@ -312,7 +324,7 @@ impl World {
         Ok((p - self.frames[slot as usize].center).as_vec3())
     }
 
-    fn do_force(&mut self, b: BodyId, f: Vec3, t: Vec3, at: Option<DVec3>) -> Result<()> {
+    pub(crate) fn do_force(&mut self, b: BodyId, f: Vec3, t: Vec3, at: Option<DVec3>) -> Result<()> {
         let slot = self.slot(b)?;
         check_force("force", f)?;
         check_force("torque", t)?;
@@ -403,7 +415,7 @@ impl World {
         Ok(())
     }
 
-    fn do_set_shape(&mut self, s: ShapeId, g: Shape) -> Result<()> {
+    pub(crate) fn do_set_shape(&mut self, s: ShapeId, g: Shape) -> Result<()> {
         let slot = self.shape_slot(s)?;
         let body = self.shapes[slot].body;
         let probe = ShapeDesc { sensor: self.shapes[slot].sensor, ..ShapeDesc::new(g) };
@@ -419,7 +431,7 @@ impl World {
         Ok(())
     }
 
-    fn do_set_shape_pose(&mut self, s: ShapeId, p: Pose) -> Result<()> {
+    pub(crate) fn do_set_shape_pose(&mut self, s: ShapeId, p: Pose) -> Result<()> {
         let slot = self.shape_slot(s)?;
         let probe = ShapeDesc { pose: p, ..ShapeDesc::new(self.shapes[slot].shape.clone()) };
         probe.check()?;
@@ -458,7 +470,7 @@ impl World {
         Ok(())
     }
 
-    fn do_set_filter(&mut self, s: ShapeId, f: Filter) -> Result<()> {
+    pub(crate) fn do_set_filter(&mut self, s: ShapeId, f: Filter) -> Result<()> {
         let slot = self.shape_slot(s)?;
         self.wake_neighbours(self.shapes[slot].body);
         self.unplace_shape(slot);

@@ -44,6 +44,14 @@ handle! {
     JointId
 }
 handle! {
+    /// Names a vehicle of a [`crate::World`].
+    VehicleId
+}
+handle! {
     /// Names a field of a [`crate::World`].
     FieldId
+}
+handle! {
+    /// Names a character of a [`crate::World`].
+    CharacterId
 }

@@ -133,6 +133,8 @@ impl World {
         }
         self.particles.hash(&mut h);
         self.joints.hash(&mut h);
+        self.vehicles.hash(&mut h);
+        self.characters.hash(&mut h);
         self.told.last().iter().for_each(|e| hash_event(&mut h, e));
         self.hash_waiting(&mut h);
         h.finish()

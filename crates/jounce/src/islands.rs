@@ -76,6 +76,7 @@ impl World {
             let j = &self.joints.table[j];
             others.push(if j.body_a == slot { j.body_b } else { j.body_a });
         }
+        self.vehicles_on(slot, &mut others);
         for other in others {
             self.wake_body(other);
         }
@@ -135,6 +136,10 @@ impl World {
             self.remove_row(slot);
             let b = &mut self.bodies[slot];
             (b.velocity, b.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
+            let vehicle = b.vehicle;
+            if let Some(v) = self.vehicles.table.get_mut(vehicle) {
+                v.wheels.iter_mut().for_each(|w| w.rest());
+            }
             self.frames[slot as usize].reset_interpolation();
             self.events.push(Event::Sleep { body: self.body_id(slot) });
         }

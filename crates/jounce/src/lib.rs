@@ -46,10 +46,15 @@ pub use contact_info::{ContactInfo, ContactPoint, ManifoldInfo};
 pub use debug_draw::{DebugColor, DebugDraw, DebugDrawOptions};
 pub use error::{Error, Result};
 pub use event::Event;
-pub use handle::{BodyId, EmitterId, FieldId, JointId, ShapeId};
+pub use handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 pub use hash::StateHasher;
 pub use hooks::{ContactHook, ContactView, FilterHook, PairView, ParticleHook};
 pub use query::{ClosestPoint, QueryFilter, Ray, RayCastHit, ShapeCastHit};
+pub use room::characters::desc::{
+    CharacterDesc, CharacterGround, CharacterHit, CharacterInput, CharacterKind, CharacterMove,
+    CharacterMover,
+};
+pub use room::characters::view::CharacterRef;
 pub use room::contacts::desc::{Combine, Filter, MassSpec, Material, ShapeDesc};
 pub use room::contacts::state::Surface;
 pub use room::fields::desc::{
@@ -70,7 +75,17 @@ pub use room::particles::desc::{
 };
 pub use room::particles::presets as particles;
 pub use room::particles::view::{EmitterRef, ParticleSlices, ParticleView};
+pub use room::ragdoll::desc::{BoneDesc, BoneJoint, BoneJointKind, Ragdoll, RagdollDesc};
+pub use room::ragdoll::grab::Grab;
+pub use room::ragdoll::pose::{BonePose, PoseDrive, blend_poses};
 pub use room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
+pub use room::vehicles::desc::{
+    AeroSurfaceDesc, AntiRollDesc, BoardDesc, ClutchDesc, DifferentialDesc, DifferentialKind, DriveDesc,
+    EngineDesc, GearboxDesc, LeanDesc, SlipControlDesc, TrackDesc, TrackSteerDesc, TyreDesc, VehicleDesc,
+    VehicleInput, WheelCast, WheelDesc,
+};
+pub use room::vehicles::presets as vehicles;
+pub use room::vehicles::view::{VehicleRef, VehicleTelemetry, WheelTelemetry};
 pub use settings::{Settings, WorldDesc};
 pub use step::{Stage, StageHashes, StageObserver};
 pub use view::{BodyRef, ShapeRef};
@@ -86,8 +101,8 @@ pub mod prelude {
     pub use crate::{
         Advance, Aero, AxisLocks, BodyDesc, BodyId, BodyKind, Combine, EmitterDesc, EmitterId, EmitterShape,
         Event, Explosion, FieldDesc, FieldId, FieldLaw, Filter, JointDesc, JointId, JointKind, Material,
-        MotorDesc, ParticleCollision, QueryFilter, Ray, Region, ShapeDesc, ShapeId, SpringDesc, World,
-        WorldDesc,
+        MotorDesc, ParticleCollision, QueryFilter, Ray, Region, ShapeDesc, ShapeId, SpringDesc, VehicleDesc,
+        VehicleId, VehicleInput, WheelDesc, World, WorldDesc,
     };
     pub use jounce_geometry::Shape;
     pub use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};

@@ -37,6 +37,22 @@ pub const IMPACT_ROUNDS_MAX: usize = 256;
 pub const JOINTS_MAX: usize = 1 << 22;
 /// Most joints of one body.
 pub const JOINTS_PER_BODY_MAX: usize = 1 << 16;
+/// Most vehicles in a world.
+pub const VEHICLES_MAX: usize = 1 << 16;
+/// Most wheels of a vehicle.
+pub const WHEELS_MAX: usize = 32;
+/// Most points of an engine's torque curve.
+pub const TORQUE_POINTS_MAX: usize = 32;
+/// Most forward gears.
+pub const GEARS_MAX: usize = 32;
+/// Most characters in a world.
+pub const CHARACTERS_MAX: usize = 1 << 14;
+/// Most shapes near a character that a move looks at.
+pub const CHARACTER_SHAPES_MAX: usize = 1 << 12;
+/// Most hits that a move of a character tells.
+pub const CHARACTER_HITS_MAX: usize = 16;
+/// Most bones of a ragdoll.
+pub const BONES_MAX: usize = 1 << 10;
 /// Most fields in a world.
 pub const FIELDS_MAX: usize = 1 << 12;
 /// Most bodies that attract one another in one field.

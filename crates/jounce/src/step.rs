@@ -13,6 +13,8 @@ use jounce_tasks::FloatEnv;
 pub enum Stage {
     /// Queued commands.
     Commands,
+    /// Characters walk.
+    Characters,
     /// Forces to accelerations.
     Forces,
     /// New pairs.
@@ -43,8 +45,9 @@ pub enum Stage {
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::Commands,
+        Self::Characters,
         Self::Forces,
         Self::BroadPhase,
         Self::NarrowPhase,
@@ -63,6 +66,7 @@ impl Stage {
     pub fn name(self) -> &'static str {
         [
             "commands",
+            "characters",
             "forces",
             "broad phase",
             "narrow phase",
@@ -182,8 +186,9 @@ impl World {
 
 type Run = fn(&mut World, &Step);
 
-const STAGES: [(Stage, Run); 14] = [
+const STAGES: [(Stage, Run); 15] = [
     (Stage::Commands, commands::run),
+    (Stage::Characters, characters::run),
     (Stage::Forces, forces::run),
     (Stage::BroadPhase, broadphase::run),
     (Stage::NarrowPhase, narrowphase::run),

@@ -58,6 +58,9 @@ impl World {
             }
         }
         assert_eq!(self.pairs.len(), self.contacts.len() + self.asleep_contacts.len());
+        for (slot, v) in self.vehicles.table.iter() {
+            assert_eq!(self.bodies[v.chassis].vehicle, slot, "vehicle {slot} is of its chassis");
+        }
         let mut particles = 0;
         for (slot, e) in self.particles.emitters.iter() {
             let blocks = e.blocks.iter().map(|&i| &self.particles.pool[i as usize]);

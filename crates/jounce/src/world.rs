@@ -3,13 +3,16 @@
 use crate::command::{Command, Output};
 use crate::error::{Error, Result};
 use crate::event::Event;
-use crate::handle::{BodyId, EmitterId, FieldId, JointId, ShapeId};
+use crate::handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 use crate::hooks::Hooks;
+use crate::room::characters::desc::{CharacterDesc, CharacterInput};
+use crate::room::characters::state::Characters;
 use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
 use crate::room::fields::state::Fields;
 use crate::room::joints::state::Joints;
 use crate::room::particles::state::Particles;
 use crate::room::rigid::state::{Awake, Body, BodyFrame, NONE};
+use crate::room::vehicles::state::Vehicles;
 use crate::settings::{Settings, WorldDesc};
 use crate::stage::Scratch;
 use crate::table::{PairMap, Table};
@@ -57,6 +60,8 @@ pub struct World {
     pub(crate) fields: Fields,
     pub(crate) particles: Particles,
     pub(crate) joints: Joints,
+    pub(crate) vehicles: Vehicles,
+    pub(crate) characters: Characters,
 
     /// What happened since the last step ended (edits), then in the step being made; told as it ends.
     pub(crate) events: Vec<Event>,
@@ -118,7 +123,7 @@ impl Energy {
     }
 }
 
-/// Linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s.
+/// Linear momentum, kg m/s, and angular momentum about the world's origin, kg m²/s; of vehicles, travel and spin of their wheels too.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Momentum {
     /// Σ m v.
@@ -148,6 +153,10 @@ pub struct Counts {
     pub overflow: usize,
     /// Joints, broken ones too.
     pub joints: usize,
+    /// Vehicles.
+    pub vehicles: usize,
+    /// Characters.
+    pub characters: usize,
     /// Emitters.
     pub emitters: usize,
     /// Particles of all emitters.
@@ -198,6 +207,8 @@ impl World {
             fields: Fields::default(),
             particles: Particles::default(),
             joints: Joints::default(),
+            vehicles: Vehicles::default(),
+            characters: Characters::default(),
             events: Vec::new(),
             told: Told::default(),
             queue: Vec::new(),
@@ -300,6 +311,8 @@ impl World {
             colors: self.scratch.colors_used(),
             overflow: self.scratch.overflow_rows(),
             joints: self.joints.table.len(),
+            vehicles: self.vehicles.table.len(),
+            characters: self.characters.table.len(),
             emitters: self.particles.emitters.len(),
             particles: self.particles.count,
         }
@@ -330,6 +343,10 @@ impl World {
             let spin = q.rotate(b.mass.inertia.as_dmat3() * q.inverse_rotate(w.as_dvec3()));
             p.linear += mv;
             p.angular += f.center.cross(mv) + spin;
+        }
+        for (_, v) in self.vehicles.table.iter() {
+            let f = &self.frames[v.chassis as usize];
+            v.add_momentum(f, &mut p);
         }
         p
     }
@@ -407,6 +424,42 @@ impl World {
             _ => Err(Error::Unsupported { what: "add_joint", advice: "expected a joint" }),
         }
     }
+    /// Adds a vehicle to a dynamic body. [`crate::vehicles`] has presets.
+    ///
+    /// # Errors
+    /// A stale handle, a description out of range, named, or a body that cannot be a chassis.
+    pub fn add_vehicle(&mut self, desc: VehicleDesc) -> Result<VehicleId> {
+        match self.apply(Command::AddVehicle(Box::new(desc)))? {
+            Output::Vehicle(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_vehicle", advice: "expected a vehicle" }),
+        }
+    }
+    /// Adds a character with its body.
+    ///
+    /// ```
+    /// use jounce::{CharacterDesc, CharacterInput, prelude::*};
+    ///
+    /// # fn main() -> jounce::Result<()> {
+    /// let mut world = World::new(WorldDesc::default())?;
+    /// world.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y)))?;
+    /// let hero = world.add_character(CharacterDesc::at([0.0, 0.0, 0.0]))?;
+    /// world.set_character_input(hero, CharacterInput::walk([3.0, 0.0, 0.0]))?;
+    /// for _ in 0..60 {
+    ///     world.step()?;
+    /// }
+    /// assert!(world.character(hero)?.is_grounded() && world.character(hero)?.position().x > 2.5);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A description out of range, named.
+    pub fn add_character(&mut self, desc: CharacterDesc) -> Result<CharacterId> {
+        match self.apply(Command::AddCharacter(Box::new(desc)))? {
+            Output::Character(id) => Ok(id),
+            _ => Err(Error::Unsupported { what: "add_character", advice: "expected a character" }),
+        }
+    }
     /// Adds an emitter of particles.
     ///
     /// # Errors
@@ -424,6 +477,7 @@ use crate::room::fields::desc::{Aero, Explosion, FieldDesc};
 use crate::room::joints::desc::{JointDesc, JointKind};
 use crate::room::particles::desc::{EmitterDesc, ParticleSpawn};
 use crate::room::rigid::desc::{AxisLocks, BodyDesc, BodyKind};
+use crate::room::vehicles::desc::{VehicleDesc, VehicleInput};
 use jounce_geometry::{MassProperties, Shape};
 
 macro_rules! sugar {
@@ -525,6 +579,20 @@ sugar! {
     set_joint(joint: JointId, kind: JointKind) => Command::SetJoint(joint, Box::new(kind));
     /// Takes a joint out of the simulation, or back in (a broken one too).
     set_joint_enabled(joint: JointId, enabled: bool) => Command::SetJointEnabled(joint, enabled);
+    /// Removes a vehicle; its chassis stays, as a body.
+    remove_vehicle(vehicle: VehicleId) => Command::RemoveVehicle(vehicle);
+    /// Replaces a vehicle's description by another with as many wheels.
+    set_vehicle(vehicle: VehicleId, desc: VehicleDesc) => Command::SetVehicle(vehicle, Box::new(desc));
+    /// What the driver does from now on.
+    set_vehicle_input(vehicle: VehicleId, input: VehicleInput) => Command::SetVehicleInput(vehicle, input);
+    /// Takes a vehicle out of the simulation, or back in; its wheels start anew.
+    set_vehicle_enabled(vehicle: VehicleId, enabled: bool) => Command::SetVehicleEnabled(vehicle, enabled);
+    /// Removes a character with its body.
+    remove_character(character: CharacterId) => Command::RemoveCharacter(character);
+    /// What a character is asked to do from the next step on.
+    set_character_input(character: CharacterId, input: CharacterInput) => Command::SetCharacterInput(character, input);
+    /// Replaces a character's description, but for its kind, place, heading, name and number.
+    set_character(character: CharacterId, desc: CharacterDesc) => Command::SetCharacter(character, Box::new(desc));
     /// Sets the world's gravity, m/s².
     set_gravity(gravity: Vec3) => Command::SetGravity(gravity);
     /// Sets the solver's constants.

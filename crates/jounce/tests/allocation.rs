@@ -55,6 +55,13 @@ impl StageObserver for ByStage {
 /// A drum with a mesh for a floor below it, a sensor, bouncing balls, and bodies that fall asleep and are woken.
 fn world() -> World {
     let (mut world, mut rng) = (World::new(WorldDesc::default()).expect("valid"), Rng::new(21));
+    // A car and a tank in circles, beside all that.
+    let road = ShapeDesc::cuboid([60.0, 1.0, 60.0]).at([100.0, -7.0, 0.0]).friction(1.0);
+    world.add_body(BodyDesc::fixed().shape(road)).expect("valid");
+    for (kit, z) in [(jounce::vehicles::car(), -20.0), (jounce::vehicles::tank(), 20.0)] {
+        let v = kit.add(&mut world, [100.0, -6.0, z], Quat::IDENTITY).expect("valid");
+        world.set_vehicle_input(v, VehicleInput::drive(0.2, 1.0)).expect("valid");
+    }
     let mut add = |d| world.add_body(d).expect("valid");
     let mut drum = BodyDesc::kinematic().angular_velocity([0.0, 0.0, 1.0]);
     for k in 0..8 {
@@ -93,13 +100,19 @@ fn world() -> World {
     let d =
         EmitterDesc::new().at([0.0, 0.0, 0.5]).rate(2000.0).spread(2.0).lifetime(0.5, 2.0).linear_drag(0.3);
     world.add_emitter(d.turbulence(turbulence).collision(c)).expect("valid");
+    for (i, at) in [[-3.0, -5.2, -3.0], [3.0, -5.2, -3.0], [0.0, -5.2, 4.0]].into_iter().enumerate() {
+        let d = jounce::CharacterDesc::at(at);
+        let c = world.add_character(if i == 2 { d.dynamic() } else { d }).expect("valid");
+        let walk = jounce::CharacterInput::walk([0.3, 0.0, 0.2 * (i as f32 - 1.0)]);
+        world.set_character_input(c, walk).expect("alive");
+    }
     world
 }
 
 /// Kicks what sleeps on the floor now and then, without a command's box.
 fn kick(world: &mut World, bodies: &[BodyId], step: usize) {
     if step.is_multiple_of(60) {
-        for &b in &bodies[bodies.len() - 8..] {
+        for &b in &bodies[bodies.len() - 11..bodies.len() - 3] {
             world.set_velocity(b, Vec3::new(0.0, 2.0, 0.0)).expect("alive");
         }
     }

@@ -67,6 +67,29 @@ impl World {
         hits.into_iter().map(|(slot, h)| self.cast_result(slot, &h)).collect()
     }
 
+    /// [`World::cast_shape`] that passes by what does not face `up`, n·up > `least`: walls beside a wheel.
+    pub(crate) fn cast_ground(
+        &self,
+        shape: &Shape,
+        from: &WorldPose,
+        motion: Vec3,
+        filter: &QueryFilter<'_>,
+        up: Vec3,
+        least: f32,
+    ) -> Option<ShapeCastHit> {
+        let mut best: Option<(u32, CastHit)> = None;
+        let mut bound = 1.0;
+        self.sweep(shape, from, motion, filter, |slot, h| {
+            let faces = self.pose_of(&self.shapes[slot]).q.rotate(h.normal).dot(up) > least;
+            if faces && best.is_none_or(|(s, b)| (h.t, slot) < (b.t, s)) {
+                best = Some((slot, h));
+                bound = f32s::min(widened(h.t), bound);
+            }
+            bound
+        });
+        best.map(|(slot, h)| self.cast_result(slot, &h))
+    }
+
     /// Calls `found(slot, hit)` for the visible shapes in the way; it gives how far the motion still goes.
     fn sweep(
         &self,

@@ -94,7 +94,7 @@ impl fmt::Debug for QueryFilter<'_> {
 impl World {
     /// Does a query with this filter see the shape in a slot?
     #[inline]
-    fn sees(&self, slot: u32, filter: &QueryFilter<'_>) -> bool {
+    pub(crate) fn sees(&self, slot: u32, filter: &QueryFilter<'_>) -> bool {
         let r = &self.shapes[slot];
         if (r.sensor && !filter.sensors) || r.filter.layers & filter.layers == 0 {
             return false;
@@ -117,7 +117,7 @@ impl World {
     /// A shape's frame in the world; the same bits as [`crate::ShapeRef::world_pose`], without the products that most shapes do
     /// not need.
     #[inline]
-    fn pose_of(&self, r: &ShapeRecord) -> WorldPose {
+    pub(crate) fn pose_of(&self, r: &ShapeRecord) -> WorldPose {
         let f = &self.frames[r.body as usize];
         if r.pose == Pose::IDENTITY && f.local_center == Vec3::ZERO {
             return WorldPose::new(f.center, f.rotation);

@@ -48,6 +48,10 @@ pub(crate) fn quarantine(world: &mut World, slot: u32) {
     for j in world.bodies[slot].joints.clone() {
         world.joints.table[j].forget();
     }
+    let vehicle = world.bodies[slot].vehicle;
+    if let Some(v) = world.vehicles.table.get_mut(vehicle) {
+        v.forget();
+    }
     world.enable_body(slot, false);
     world.events.push(Event::Quarantine { body: world.body_id(slot) });
 }

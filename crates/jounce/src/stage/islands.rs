@@ -7,7 +7,7 @@ use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_math::Vec3;
 
-pub(crate) fn run(world: &mut World, _: &Step) {
+pub(crate) fn run(world: &mut World, step: &Step) {
     super::joints::stir(world);
     let mut ends = core::mem::take(&mut world.scratch.ends);
     ends.clear();
@@ -49,6 +49,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         world.wake_body(body);
     }
     world.scratch.wakes = wakes;
+    super::vehicles::look(world, step);
 }
 
 /// A body that sleeps on a kinematic one that moves.

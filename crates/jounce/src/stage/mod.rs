@@ -1,6 +1,7 @@
 //! The algorithm, in order: one file per stage.
 
 pub(crate) mod broadphase;
+pub(crate) mod characters;
 pub(crate) mod commands;
 pub(crate) mod continuous;
 pub(crate) mod fields;
@@ -17,6 +18,7 @@ pub(crate) mod seams;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
 pub(crate) mod substep;
+pub(crate) mod vehicles;
 
 use crate::room::contacts::impact::Impacts;
 use crate::room::contacts::prepare::StepConstants;
@@ -67,6 +69,7 @@ pub(crate) struct Scratch {
     pub loads: Vec<(f32, jounce_math::Vec3, f32)>,
     pub fields: fields::FieldScratch,
     pub joints: joints::JointScratch,
+    pub vehicles: vehicles::VehicleScratch,
     /// By awake row: how hard and which way it was pushed.
     pub squeeze: Vec<(f32, jounce_math::Vec3)>,
 }

@@ -245,7 +245,7 @@ fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
     slip.length() < world.settings.stick_speed
 }
 
-fn material(r: &ShapeRecord, sub: u32) -> &Material {
+pub(super) fn material(r: &ShapeRecord, sub: u32) -> &Material {
     let index = match &r.shape {
         Shape::Mesh(m) if !r.triangle_materials.is_empty() => m.material(sub),
         Shape::HeightField(h) if !r.triangle_materials.is_empty() => h.material(sub),

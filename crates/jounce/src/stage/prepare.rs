@@ -30,6 +30,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     }
     world.scratch.blocks = blocks;
     super::joints::prepare(world, step);
+    super::vehicles::prepare(world, step);
 }
 
 fn raise_squeezed(world: &mut World, step: &Step) {

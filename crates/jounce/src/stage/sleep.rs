@@ -38,6 +38,17 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             parent[hi as usize] = lo;
         }
     }
+    for (_, v) in world.vehicles.table.iter().filter(|(_, v)| v.enabled) {
+        let a = dynamic_row(world, v.chassis);
+        for w in v.feet().filter(|w| w.ground != NONE) {
+            let b = dynamic_row(world, w.ground);
+            if a != NONE && b != NONE {
+                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+                let (lo, hi) = if a < b { (a, b) } else { (b, a) };
+                parent[hi as usize] = lo;
+            }
+        }
+    }
     let mut rest = core::mem::take(&mut world.scratch.rest);
     rest.clear();
     rest.resize(n, f32::MAX);

@@ -25,6 +25,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         super::fields::act(world, step, i);
         sweep(world, Pass::Warm, step);
         super::joints::solve(world, step, i);
+        super::vehicles::act(world, step);
         sweep(world, Pass::Solve, step);
         positions(world, step);
         super::joints::relax(world, step);
@@ -60,6 +61,7 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     world.contacts = contacts;
     super::joints::finish(world, step);
     poses(world, step);
+    super::vehicles::finish(world, step);
 }
 
 fn poses(world: &mut World, step: &Step) {

@@ -34,6 +34,8 @@ pub(crate) struct Body {
     pub contacts: Vec<u32>,
     /// Joint slots, in order.
     pub joints: Vec<u32>,
+    /// Vehicle whose chassis it is, or NONE.
+    pub vehicle: u32,
     /// Row in the awake columns, or NONE.
     pub row: u32,
     /// Sleeping island, or NONE.
