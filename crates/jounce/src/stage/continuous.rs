@@ -56,6 +56,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         }
         world.refresh_inertia(slot);
     }
+    super::joints::follow(world, &hits);
     world.scratch.hits = hits;
 }
 

@@ -194,6 +194,17 @@ pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
     pass(world, |world, set| set.solve(&world.joints, &k, substep == 0));
 }
 
+/// Once more, after contacts.
+pub(crate) fn again(world: &mut World, step: &Step) {
+    let k = constants(world, step);
+    pass(world, |world, set| set.again(&world.joints, &k, crate::room::joints::extra::Sweep::Solve));
+}
+/// Once more, after contacts.
+pub(crate) fn relax_again(world: &mut World, step: &Step) {
+    let k = constants(world, step);
+    pass(world, |world, set| set.again(&world.joints, &k, crate::room::joints::extra::Sweep::Relax));
+}
+
 /// After they moved.
 pub(crate) fn relax(world: &mut World, step: &Step) {
     let k = constants(world, step);
@@ -278,6 +289,51 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     }
     world.scratch.joints = s;
 }
+
+/// Continuous collision stopped some bodies alone: those that hang on them by joints come after, and they themselves hardly give
+/// way. Velocities stay, in each body's own axes.
+pub(crate) fn follow(world: &mut World, stopped: &[(u32, f32)]) {
+    if stopped.is_empty() || world.scratch.joints.sets.is_empty() {
+        return;
+    }
+    let mut sets = core::mem::take(&mut world.scratch.joints.sets);
+    let shared: &World = world;
+    shared.tasks.for_each(&mut sets, 1, |_, set| {
+        set.placed = set.bodies.iter().any(|b| stopped.iter().any(|s| s.0 == b.slot));
+        if !set.placed {
+            return;
+        }
+        for b in &mut set.bodies {
+            let f = &shared.frames[b.slot as usize];
+            b.m.dp = (f.center - f.center0).as_vec3();
+            b.m.dq = (f.rotation * f.rotation0.conjugate()).normalize();
+            let part = if stopped.iter().any(|s| s.0 == b.slot) { STOPPED_PART } else { 1.0 };
+            let inertia = shared.awake.inertia.get(b.row as usize);
+            b.tensor = match inertia {
+                Some(i) if b.start_tensor != InvInertia::default() => i.scaled(part),
+                _ => InvInertia::default(),
+            };
+            b.inv_mass = b.start_inv_mass * part;
+        }
+        set.place(&shared.joints);
+    });
+    for b in sets.iter().filter(|s| s.placed).flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
+        let f = &mut world.frames[b.slot as usize];
+        let turned = f.rotation;
+        f.center = f.center0 + b.m.dp.as_dvec3();
+        f.rotation = (b.m.dq * f.rotation0).normalize();
+        let back = f.rotation * turned.conjugate();
+        if b.free {
+            let s = &mut world.awake.state[b.row as usize];
+            s.set_velocity(s.v(), back.rotate(s.w()));
+        }
+        world.refresh_inertia(b.slot);
+    }
+    world.scratch.joints.sets = sets;
+}
+
+/// Part of its inverse mass that a body has which continuous collision stopped: two of them on one joint still come together.
+const STOPPED_PART: f32 = 1e-3;
 
 /// Bodies on joints to kinematic bodies that move do not rest, and are woken.
 pub(crate) fn stir(world: &mut World) {

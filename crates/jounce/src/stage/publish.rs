@@ -20,7 +20,7 @@ fn bounds(world: &mut World, step: &Step) {
     let sweep = world.bouncy > 0;
     for row in 0..world.awake.step.len() {
         let body = world.awake.step[row].body;
-        let motion = if sweep || world.bodies[body].bullet {
+        let motion = if sweep || world.bodies[body].looks_ahead() {
             world.awake.state[row].v() * step.dt
         } else {
             jounce_math::Vec3::ZERO

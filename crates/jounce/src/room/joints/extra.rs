@@ -50,6 +50,8 @@ pub(crate) struct Extra {
     pub impulse: f32,
     /// The same as the rounds of the active set begin.
     pub before: f32,
+    /// What the coordinate after the substep will be beyond c + h J u.
+    pub bend: f32,
     /// Holds in the direct solve.
     pub acts: bool,
 }
@@ -62,7 +64,7 @@ pub(crate) struct Extras<'a> {
 impl Extras<'_> {
     pub fn push(&mut self, row: Row, duty: Duty) {
         let (ia, ib) = (Vec3::ZERO, Vec3::ZERO);
-        self.list.push(Extra { row, duty, ia, ib, mass: 0.0, impulse: 0.0, before: 0.0, acts: false });
+        self.list.push(Extra { row, duty, ia, ib, mass: 0.0, impulse: 0.0, before: 0.0, bend: 0.0, acts: false });
     }
     /// All that an axis has; `row.c` is its coordinate.
     pub fn axis(&mut self, axis: &AxisDesc, row: Row) {
@@ -127,6 +129,10 @@ pub(crate) fn gains(spring: &SpringDesc, m: f32, h: f32) -> (f32, f32) {
 /// Slip that is rounding, m/s or rad/s.
 const SLOW: f32 = 1e-5;
 
+/// Parts of their own diagonal that ends, and motors and friction, give way.
+const END_COMPLIANCE: f64 = 1e-7;
+const MOTOR_COMPLIANCE: f64 = 1e-5;
+
 /// Which pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sweep {
@@ -134,6 +140,8 @@ pub(crate) enum Sweep {
     Solve,
     /// Speeds alone.
     Relax,
+    /// Places alone: a velocity is a way, and the substep lasts a second.
+    Place,
 }
 
 /// Impulse that a row adds now, given its speed; `h` is the substep.
@@ -198,13 +206,36 @@ impl Extra {
         let (low, high) = (self.row.c - l.min, l.max - self.row.c);
         if low < high { (1.0, low) } else { (-1.0, high) }
     }
+    /// What the row gives way in the direct solve, velocity per impulse: an end and friction about all axes say more than the joint has
+    /// freedoms, and without it some would be pushed against others by any amount.
+    pub fn compliance(&self) -> f64 {
+        let part = if self.is_hard_end() { END_COMPLIANCE } else { MOTOR_COMPLIANCE };
+        if self.mass > 0.0 { part / f64::from(self.mass) } else { 0.0 }
+    }
+    /// A motor or friction at its strength.
+    pub fn gives_all(&self, h: f32) -> bool {
+        matches!(self.duty, Duty::Speed { max, .. } if self.impulse.abs() >= max * h)
+    }
+    /// Hard ends.
+    pub fn is_hard_end(&self) -> bool {
+        matches!(self.duty, Duty::Limit(LimitDesc { spring: None, .. }))
+    }
+    /// From the nearer end, now.
+    pub fn gap(&self) -> f32 {
+        if let Duty::Limit(l) = &self.duty { self.end(l).1 } else { f32::INFINITY }
+    }
+    /// Speed away from the nearer end.
+    pub fn away(&self, v: f32) -> f32 {
+        if let Duty::Limit(l) = &self.duty { self.end(l).0 * v } else { v }
+    }
     /// What the direct solve has to take from the speed `v` of the row.
     pub fn wanted(&self, v: f32, k: &Constants, sweep: Sweep) -> f32 {
         match &self.duty {
             Duty::Speed { speed, .. } => v - speed,
             Duty::Limit(l) => {
                 let (sign, gap) = self.end(l);
-                if sweep == Sweep::Relax { v } else { v + sign * f32s::max(gap / k.h, -k.push_out) }
+                let to_end = sign * f32s::max(gap / k.h, -k.push_out);
+                if sweep == Sweep::Relax { v } else { v + self.bend / k.h + to_end }
             }
             Duty::Spring { .. } => 0.0,
         }
@@ -213,12 +244,10 @@ impl Extra {
     /// is not passed.
     pub fn must_act(&self, v: f32, k: &Constants, sweep: Sweep) -> bool {
         match &self.duty {
+            Duty::Speed { .. } if sweep == Sweep::Place => false,
             Duty::Speed { speed, .. } => self.impulse * (v - speed) > 0.0 && (v - speed).abs() > SLOW,
-            Duty::Limit(l) => {
-                let (sign, gap) = self.end(l);
-                let reach = if sweep == Sweep::Relax { f32s::max(gap, 0.0) } else { gap };
-                reach + k.h * sign * v < -TOUCH
-            }
+            Duty::Limit(_) if sweep == Sweep::Relax => f32s::max(self.gap(), 0.0) + k.h * self.away(v) < -TOUCH,
+            Duty::Limit(l) => self.end(l).0 * self.wanted(v, k, sweep) * k.h < -TOUCH,
             Duty::Spring { .. } => false,
         }
     }

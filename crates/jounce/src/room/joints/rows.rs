@@ -156,7 +156,7 @@ impl Ends {
 
 /// The turn by a rotation vector, right at any angle.
 #[inline(always)]
-fn turned(r: Vec3) -> Quat {
+pub(super) fn turned(r: Vec3) -> Quat {
     if r.length_squared() > 1.0 {
         let angle = r.length();
         return if angle < 1e6 { Quat::from_axis_angle(r / angle, angle) } else { Quat::IDENTITY };

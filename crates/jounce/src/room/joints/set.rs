@@ -25,7 +25,7 @@ use super::desc::LimitDesc;
 use super::desc::{AxisDesc, JointKind, JointSolver, MotorTarget, SpringDesc};
 use super::direct::{Numbers, Plan, ROWS, invert};
 use super::extra::{Duty, Extra, Extras, Sweep, gains, push};
-use super::rows::{Ends, Hard, Row, Start};
+use super::rows::{Ends, Hard, Row, Start, turned};
 use super::state::{Joint, Joints};
 use super::{ball, distance, fixed, generic, hinge, path, pulley, slider, wheel};
 use crate::room::contacts::prepare::Softness;
@@ -139,6 +139,7 @@ pub(crate) struct Solve {
     /// Iterative: (J M⁻¹ Jᵀ + compliance)⁻¹.
     inverse: [f64; HARD * HARD],
     pub extra: Vec<Extra>,
+    scratch: Vec<Extra>,
     /// Rows of the direct solve: those that hold by number, the others from [`HARD`] on.
     packed: [u8; ROWS],
     count: usize,
@@ -195,6 +196,8 @@ pub(crate) struct JointSet {
     /// Rows that the factors in `numbers` are of.
     factored: Vec<u64>,
     fresh: bool,
+    /// Was put together again after continuous collision.
+    pub placed: bool,
     /// Pairs of joints that share a moving body, and which.
     shared: Vec<(u32, u32, u32)>,
 }
@@ -216,6 +219,7 @@ impl Solve {
             give_way: [0.0; HARD],
             inverse: [0.0; HARD * HARD],
             extra: Vec::new(),
+            scratch: Vec::new(),
             packed: [0; ROWS],
             count: 0,
             lambda: [0.0; HARD],
@@ -279,6 +283,63 @@ impl Solve {
         }
     }
 
+    /// Springs, motors, ends and friction at these ends, put behind what is in the list; `coordinate` goes from where it was last.
+    fn ends(&self, j: &Joint, e: &Ends, coordinate: &mut f32, list: &mut Vec<Extra>) {
+        let mut out = Extras { list };
+        match &j.desc.kind {
+            JointKind::Ball(d) => ball::extras(d, e, &mut out),
+            JointKind::Hinge(x) => hinge::extras(x, e, coordinate, &mut out),
+            JointKind::Slider(x) => slider::extras(x, e, coordinate, &mut out),
+            JointKind::Spring { rest, spring, limit } => {
+                distance::spring(*rest, *spring, *limit, e, &mut out);
+            }
+            JointKind::Wheel { suspension, spin, steer } => {
+                wheel::extras([suspension, spin, steer], e, coordinate, &mut out);
+            }
+            JointKind::Generic { linear, angular } => {
+                generic::extras(linear, angular, e, coordinate, &mut out);
+            }
+            JointKind::Path(p) => {
+                if let Some(curve) = &j.curve {
+                    let slid = path::slide(curve, e, coordinate);
+                    let mut row = slid.along(slid.axis_a(0));
+                    row.c = *coordinate;
+                    out.axis(&p.axis, row);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// How far the ends' coordinates will be from c + h J u, by the present velocities. Cones and twists bend: what moves along a cone's
+    /// rim leaves it by half the square of its angle. So those near enough are measured where the bodies would be.
+    fn bend(&mut self, j: &Joint, bodies: &[Local], k: &Constants) {
+        if !matches!(j.desc.kind, JointKind::Ball(_) | JointKind::Generic { .. }) {
+            return;
+        }
+        let (a, b) = (&bodies[self.a].m, &bodies[self.b].m);
+        let most = k.h * (a.w.length() + b.w.length()) + TOUCH;
+        let turns = |x: &Extra| x.is_hard_end() && x.row.la == Vec3::ZERO;
+        let mut near = false;
+        for x in &mut self.extra {
+            x.bend = 0.0;
+            near |= turns(x) && x.gap() < most;
+        }
+        if !near {
+            return;
+        }
+        let e = Ends::predicted(&self.start, a, b, k.h);
+        let (mut list, mut coordinate) = (core::mem::take(&mut self.scratch), self.coordinate);
+        list.clear();
+        self.ends(j, &e, &mut coordinate, &mut list);
+        for (x, y) in self.extra.iter_mut().zip(&list).filter(|(x, _)| turns(x)) {
+            let turn = 2.0 * core::f32::consts::PI;
+            let way = y.row.c - x.row.c;
+            x.bend = way - turn * (way / turn).round() - k.h * x.row.speed(a, b);
+        }
+        self.scratch = list;
+    }
+
     /// Rows that hold, where the present velocities would take the bodies.
     fn ahead(&self, j: &Joint, a: &Motion, b: &Motion, k: &Constants) -> Hard {
         let e = Ends::predicted(&self.start, a, b, k.h);
@@ -293,40 +354,16 @@ impl Solve {
         let (a, b) = (&bodies[self.a], &bodies[self.b]);
         let e = Ends::now(&self.start, &a.m, &b.m);
         let mut hard = self.hard;
-        let mut s = self.coordinate;
+        let mut slid = self.coordinate;
         self.sign = self.side(j, &e);
-        self.rows(j, &e, [a.m.dp, b.m.dp], &mut s, &mut hard);
+        self.rows(j, &e, [a.m.dp, b.m.dp], &mut slid, &mut hard);
         self.hard = hard;
         let mut list = core::mem::take(&mut self.extra);
         // New rows go behind the old ones, whose impulses then move over.
         let impulses = list.len();
-        {
-            let mut out = Extras { list: &mut list };
-            match &j.desc.kind {
-                JointKind::Ball(d) => ball::extras(d, &e, &mut out),
-                JointKind::Hinge(x) => hinge::extras(x, &e, &mut self.coordinate, &mut out),
-                JointKind::Slider(x) => slider::extras(x, &e, &mut self.coordinate, &mut out),
-                JointKind::Spring { rest, spring, limit } => {
-                    distance::spring(*rest, *spring, *limit, &e, &mut out);
-                }
-                JointKind::Wheel { suspension, spin, steer } => {
-                    wheel::extras([suspension, spin, steer], &e, &mut self.coordinate, &mut out);
-                }
-                JointKind::Generic { linear, angular } => {
-                    generic::extras(linear, angular, &e, &mut self.coordinate, &mut out);
-                }
-                JointKind::Path(p) => {
-                    if let Some(curve) = &j.curve {
-                        let slid = path::slide(curve, &e, &mut s);
-                        self.coordinate = s;
-                        let mut row = slid.along(slid.axis_a(0));
-                        row.c = s;
-                        out.axis(&p.axis, row);
-                    }
-                }
-                _ => {}
-            }
-        }
+        let mut coordinate = self.coordinate;
+        self.ends(j, &e, &mut coordinate, &mut list);
+        self.coordinate = coordinate;
         let n = list.len() - impulses;
         for i in 0..n {
             let (impulse, acts) = if impulses == n {
@@ -386,7 +423,7 @@ impl Solve {
     fn pack(&mut self, sweep: Sweep) {
         self.count = 0;
         for r in 0..self.hard.n {
-            let dampers_rest = sweep == Sweep::Relax && self.yields(r);
+            let dampers_rest = sweep != Sweep::Solve && self.yields(r);
             if self.active && self.give_way[r] < f32::INFINITY && !dampers_rest {
                 self.packed[self.count] = r as u8;
                 self.count += 1;
@@ -414,7 +451,7 @@ impl Solve {
 
     fn hold(&mut self, bodies: &mut [Local], k: &Constants, sweep: Sweep, first: bool) {
         let n = self.hard.n;
-        if n == 0 || (self.soft.is_some() && (sweep == Sweep::Relax || !first)) {
+        if n == 0 || (self.soft.is_some() && (sweep != Sweep::Solve || !first)) {
             return;
         }
         let mut r = [0.0_f64; HARD];
@@ -435,6 +472,7 @@ impl Solve {
             *r = f64::from(match (sweep, self.soft) {
                 (_, _) if open => v + row.c / k.h,
                 (Sweep::Relax, _) => v,
+                (Sweep::Place, _) => v + row.c,
                 (Sweep::Solve, None) => k.soft.mass_scale * (v + k.soft.bias_rate * c),
                 (Sweep::Solve, Some(spring)) => {
                     let inv = self.meets_itself(i, i, &bodies[self.a], &bodies[self.b]);
@@ -495,7 +533,15 @@ impl Solve {
     fn warm(&mut self, bodies: &mut [Local], k: &Constants, direct: bool) {
         let taken = if direct { self.taken() } else { 0 };
         for (i, x) in self.extra.iter_mut().enumerate() {
-            x.impulse = if x.may_hold() && i >= taken { x.impulse * k.warm } else { 0.0 };
+            if i >= taken {
+                x.impulse *= if x.may_hold() { k.warm } else { 0.0 };
+            } else {
+                // What gave all it could goes on so, what pushed stays a candidate.
+                x.acts = x.impulse != 0.0;
+                if !x.gives_all(k.h) {
+                    x.impulse = 0.0;
+                }
+            }
             give_extra(x, bodies, self.a, self.b, x.impulse);
         }
         let keep = if direct || self.soft.is_some() { 0.0 } else { k.warm };
@@ -622,10 +668,12 @@ impl JointSet {
         }
         for (i, s) in self.joints.iter().enumerate() {
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
-                if let Some(&c) = s.give_way.get(usize::from(code))
-                    && c > 0.0
-                {
-                    plan.add_diagonal(n, i, r, f64::from(c));
+                let c = match usize::from(code) {
+                    c if c < HARD => f64::from(s.give_way[c]),
+                    c => s.extra[c - HARD].compliance(),
+                };
+                if c > 0.0 {
+                    plan.add_diagonal(n, i, r, c);
                 }
             }
         }
@@ -639,17 +687,21 @@ impl JointSet {
     fn activate(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
         for s in &mut self.joints {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
-            if sweep == Sweep::Solve {
+            match sweep {
                 // A rope that held stays a candidate, though the velocities do not yet stretch it: in a cable they are those of
                 // free fall, alike at both its ends. The sign of its own pull lets it go.
-                let held = s.active && s.sign * s.hard.rows[0].c < TAUT_SPEED * k.h;
-                s.active = true;
-                if s.sign != 0.0 && !held {
-                    let ahead = s.ahead(&joints.table[s.id], a, b, k);
-                    s.active = s.sign * ahead.rows[0].c < 0.0;
+                Sweep::Solve => {
+                    let held = (s.active && s.sign * s.hard.rows[0].c < TAUT_SPEED * k.h) || s.lambda[0] != 0.0;
+                    s.active = true;
+                    if s.sign != 0.0 && !held {
+                        let ahead = s.ahead(&joints.table[s.id], a, b, k);
+                        s.active = s.sign * ahead.rows[0].c < 0.0;
+                    }
                 }
-            } else if s.soft.is_some() {
-                s.active = false;
+                Sweep::Relax => s.active &= s.soft.is_none(),
+                Sweep::Place => {
+                    s.active = s.soft.is_none() && (s.sign == 0.0 || s.sign * s.hard.rows[0].c < 0.0);
+                }
             }
             for i in 0..s.extra.len() {
                 let taken = i < s.taken();
@@ -658,14 +710,19 @@ impl JointSet {
                 x.acts = taken
                     && x.mass > 0.0
                     && match x.duty {
-                        Duty::Speed { max, .. } => sweep == Sweep::Solve && max > 0.0 || x.acts,
+                        Duty::Speed { .. } => match sweep {
+                            Sweep::Solve => !x.gives_all(k.h),
+                            Sweep::Relax => x.acts,
+                            Sweep::Place => false,
+                        },
                         Duty::Spring { .. } | Duty::Limit(LimitDesc { spring: Some(_), .. }) => false,
-                        Duty::Limit(l) => {
-                            let (sign, gap) = x.end(&l);
-                            l.holds_still()
-                                || gap + k.h * sign * v < 0.0
-                                || (sweep == Sweep::Relax && x.impulse != 0.0)
-                        }
+                        Duty::Limit(l) => match sweep {
+                            Sweep::Relax => l.holds_still() || x.impulse != 0.0 || x.gap() + k.h * x.away(v) < 0.0,
+                            _ => {
+                                let pushed = x.impulse != 0.0 || (x.acts && x.gap() < TAUT_SPEED * k.h);
+                                l.holds_still() || pushed || x.must_act(v, k, sweep)
+                            }
+                        },
                     };
             }
         }
@@ -676,7 +733,7 @@ impl JointSet {
         let Some(plan) = &self.plan else { return };
         for (i, s) in self.joints.iter().enumerate() {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
-            let ahead = if sweep == Sweep::Solve && s.soft.is_none() && s.count > 0 {
+            let ahead = if sweep != Sweep::Relax && s.soft.is_none() && s.count > 0 {
                 s.ahead(&joints.table[s.id], a, b, k)
             } else {
                 Hard::default()
@@ -710,6 +767,9 @@ impl JointSet {
     /// what they can give stay at that, those that would have to act again do; until nothing changes. Errors ahead are not linear
     /// in the velocities, so those that a rejected trial leads to are never looked at.
     fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+        if sweep != Sweep::Relax {
+            self.joints.iter_mut().for_each(|s| s.bend(&joints.table[s.id], &self.bodies, k));
+        }
         self.activate(joints, k, sweep);
         self.mark();
         for round in 1..=ROUNDS {
@@ -719,9 +779,11 @@ impl JointSet {
             let Some(plan) = &self.plan else { return };
             plan.solve(&mut self.numbers);
             self.hand_out();
-            if round == ROUNDS || !self.correct(joints, k, sweep, 2 * round <= ROUNDS) {
+            if !self.correct(joints, k, sweep, round) {
+                COUNT[round].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
                 return;
             }
+            if round == ROUNDS { COUNT[0].fetch_add(1, std::sync::atomic::Ordering::Relaxed); }
             self.rewind();
         }
     }
@@ -757,11 +819,11 @@ impl JointSet {
     }
 
     /// Holds rows back at what they can give, or lets rows act again; true where that changes anything. Motors and friction go first:
-    /// while one that is too weak stands in, an end beside it seems to pull. The last rounds let none in, so that they end.
-    fn correct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, early: bool) -> bool {
+    /// while one that is too weak stands in, an end beside it seems to pull. The last rounds let no motor in, so that they end.
+    fn correct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, round: usize) -> bool {
         self.hold_back(k, |d| matches!(d, Duty::Speed { .. }))
             || self.hold_back(k, |d| matches!(d, Duty::Limit(_)))
-            || (early && self.let_in(joints, k, sweep))
+            || (round <= ROUNDS_OF_ENDS && self.let_in(joints, k, sweep, round <= ROUNDS_OF_MOTORS))
     }
 
     fn hold_back(&mut self, k: &Constants, which: impl Fn(&Duty) -> bool) -> bool {
@@ -781,16 +843,16 @@ impl JointSet {
         changed
     }
 
-    fn let_in(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) -> bool {
+    fn let_in(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, motors: bool) -> bool {
         let mut changed = false;
         for s in &mut self.joints {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
             let taken = s.taken();
-            for x in s.extra[..taken].iter_mut().filter(|x| !x.acts && x.mass > 0.0 && x.may_hold()) {
+            for x in s.extra[..taken].iter_mut().filter(|x| !x.acts && x.mass > 0.0 && x.may_hold() && (motors || x.is_hard_end())) {
                 x.acts = x.must_act(x.row.speed(a, b), k, sweep);
                 changed |= x.acts;
             }
-            if s.sign != 0.0 && !s.active && s.soft.is_none() && sweep == Sweep::Solve {
+            if s.sign != 0.0 && !s.active && s.soft.is_none() && sweep != Sweep::Relax {
                 s.active = s.sign * s.ahead(&joints.table[s.id], a, b, k).rows[0].c < -TOUCH;
                 changed |= s.active;
             }
@@ -959,6 +1021,46 @@ impl JointSet {
         self.pass(joints, k, Sweep::Solve);
     }
 
+    pub fn again(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
+        self.pass(joints, k, sweep);
+    }
+
+    /// Bodies that were put elsewhere come together again, without a change of velocity: Newton's steps of C = 0, each body's share
+    /// as its mass has it. Velocities of the copies are lost.
+    pub fn place(&mut self, joints: &Joints) {
+        let k = Constants {
+            h: 1.0,
+            warm: 0.0,
+            soft: Softness { bias_rate: 1.0, mass_scale: 1.0, impulse_scale: 0.0 },
+            push_out: f32::INFINITY,
+            correct: f32::INFINITY,
+        };
+        let direct = self.plan.is_some();
+        for _ in 0..if direct { PLACINGS } else { 4 * PLACINGS } {
+            self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
+            for s in &mut self.joints {
+                s.lambda = [0.0; HARD];
+                s.extra.iter_mut().for_each(|x| x.impulse = 0.0);
+                if s.rod {
+                    s.give_way[1..3].fill(f32::INFINITY);
+                }
+            }
+            self.refresh(joints);
+            if direct {
+                self.direct(joints, &k, Sweep::Place, true);
+            } else {
+                for s in &mut self.joints {
+                    s.active = true;
+                    s.hold(&mut self.bodies, &k, Sweep::Place, true);
+                }
+            }
+            for b in self.bodies.iter_mut().filter(|b| b.row != NONE) {
+                b.m.dp += b.m.v;
+                b.m.dq = (turned(b.m.w) * b.m.dq).normalize();
+            }
+        }
+    }
+
     /// After they moved.
     pub fn relax(&mut self, joints: &Joints, k: &Constants) {
         self.stiffen(k);
@@ -993,8 +1095,14 @@ const FILL_AUTO: usize = 6;
 const FILL_ASKED: usize = 64;
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 const TAUT_SPEED: f32 = 0.1;
+pub static COUNT: [std::sync::atomic::AtomicU64; 40] = [const { std::sync::atomic::AtomicU64::new(0) }; 40];
 /// Rounds of the active set.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 16;
+/// Of these, those that let motors and friction act again, and those that let ends.
+const ROUNDS_OF_MOTORS: usize = 2;
+const ROUNDS_OF_ENDS: usize = 8;
+/// Newton's steps that bring bodies together again.
+const PLACINGS: usize = 4;
 /// How far beyond an end counts, m or rad.
 pub(super) const TOUCH: f32 = 1e-6;
 /// Stands for all ends.

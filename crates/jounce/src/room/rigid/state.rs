@@ -46,6 +46,14 @@ pub(crate) struct Body {
     pub mass: Mass,
 }
 
+impl Body {
+    /// What it will meet must be known a step before: bullets, which may run after what runs away, and bodies on joints, which
+    /// continuous collision would tear from the others by stopping them alone.
+    pub fn looks_ahead(&self) -> bool {
+        self.bullet || (self.kind == BodyKind::Dynamic && !self.joints.is_empty())
+    }
+}
+
 /// Mass properties in the forms the solver wants. All zero inverse for fixed and kinematic bodies.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Mass {
