@@ -33,7 +33,6 @@ mod islands;
 pub mod limits;
 mod query;
 mod room;
-#[doc(hidden)] pub use room::joints::set::COUNT;
 mod settings;
 mod stage;
 mod step;

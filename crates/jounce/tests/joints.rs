@@ -809,7 +809,8 @@ fn a_motor_is_not_outrun_by_friction() {
             for i in 0..5 {
                 let y = -0.3 * f64::from(i);
                 let link = rod_body(&mut w, [x, y - 0.15, 0.0], [0.03, 0.15, 0.03], 0.3);
-                let ball = jounce::BallDesc { friction: friction / f32::from(1 + i as u8), ..Default::default() };
+                let ball =
+                    jounce::BallDesc { friction: friction / f32::from(1 + i as u8), ..Default::default() };
                 w.add_joint(JointDesc::ball(last, link, [x, y, 0.0]).kind(JointKind::Ball(ball))).unwrap();
                 last = link;
             }
@@ -822,6 +823,9 @@ fn a_motor_is_not_outrun_by_friction() {
             fastest = f32s::max(fastest, w.body(wheel).unwrap().angular_velocity().y);
         }
         let now = w.body(wheel).unwrap().angular_velocity().y;
-        assert!(fastest < 1.237 + 1e-3 && now > 1.2, "friction {friction}: at most {fastest}, in the end {now}");
+        assert!(
+            fastest < 1.237 + 1e-3 && now > 1.2,
+            "friction {friction}: at most {fastest}, in the end {now}"
+        );
     }
 }

@@ -191,24 +191,38 @@ fn constants(world: &World, step: &Step) -> Constants {
 /// Before the positions move.
 pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
     let k = constants(world, step);
-    pass(world, |world, set| set.solve(&world.joints, &k, substep == 0));
+    pass(world, |world, set| {
+        set.bodies.iter_mut().for_each(|b| load(world, b));
+        set.solve(&world.joints, &k, substep == 0);
+        set.bodies.iter_mut().for_each(|b| unload(world, b));
+    });
 }
 
-/// Once more, after contacts.
-pub(crate) fn again(world: &mut World, step: &Step) {
+/// What contacts have changed since, once more: so joints hold where the positions go, and what a landing gives one limb has reached
+/// the others. The matrix is that of before.
+pub(crate) fn answer(world: &mut World, step: &Step) {
     let k = constants(world, step);
-    pass(world, |world, set| set.again(&world.joints, &k, crate::room::joints::extra::Sweep::Solve));
-}
-/// Once more, after contacts.
-pub(crate) fn relax_again(world: &mut World, step: &Step) {
-    let k = constants(world, step);
-    pass(world, |world, set| set.again(&world.joints, &k, crate::room::joints::extra::Sweep::Relax));
+    pass(world, |world, set| {
+        let same = |b: &Local| {
+            let Some(s) = world.awake.state.get(b.row as usize) else { return true };
+            s.v() == b.m.v && s.w() == b.m.w
+        };
+        if !set.bodies.iter().all(same) {
+            set.bodies.iter_mut().for_each(|b| load(world, b));
+            set.answer(&world.joints, &k);
+            set.bodies.iter_mut().for_each(|b| unload(world, b));
+        }
+    });
 }
 
 /// After they moved.
 pub(crate) fn relax(world: &mut World, step: &Step) {
     let k = constants(world, step);
-    pass(world, |world, set| set.relax(&world.joints, &k));
+    pass(world, |world, set| {
+        set.bodies.iter_mut().for_each(|b| load(world, b));
+        set.relax(&world.joints, &k);
+        set.bodies.iter_mut().for_each(|b| unload(world, b));
+    });
 }
 
 fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
@@ -217,11 +231,7 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
     }
     let mut sets = core::mem::take(&mut world.scratch.joints.sets);
     let shared: &World = world;
-    shared.tasks.for_each(&mut sets, 1, |_, set| {
-        set.bodies.iter_mut().for_each(|b| load(shared, b));
-        f(shared, set);
-        set.bodies.iter_mut().for_each(|b| unload(shared, b));
-    });
+    shared.tasks.for_each(&mut sets, 1, |_, set| f(shared, set));
     for b in sets.iter().flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
         world.awake.state[b.row as usize].put(&b.m);
         world.awake.turning[b.row as usize] = b.turning;

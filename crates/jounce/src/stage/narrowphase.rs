@@ -150,7 +150,10 @@ fn test(
         b_in_a.p += (direction(c.body_b) - direction(c.body_a)) * (ASIDE * thin);
     }
     // Pairs that must be seen a step ahead: those that bounce, and bodies that must not be stopped between steps.
-    let bouncy = world.bodies[c.body_a].looks_ahead() || world.bodies[c.body_b].looks_ahead() || ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
+    let bouncy = world.bodies[c.body_a].looks_ahead()
+        || world.bodies[c.body_b].looks_ahead()
+        || ra.material.restitution > 0.0
+        || rb.material.restitution > 0.0;
     collide(&ra.shape, &rb.shape, &b_in_a, margin(world, c, bouncy, dt), &mut c.cache, set);
     c.tested = true;
     c.tested_pose = *pose;

@@ -27,23 +27,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         super::joints::solve(world, step, i);
         super::vehicles::act(world, step);
         sweep(world, Pass::Solve, step);
-        let v = std::env::var("JV").map_or(1, |x| x.parse::<u32>().unwrap());
-        if v >= 3 {
-            super::joints::again(world, step);
-            sweep(world, Pass::Solve, step);
-        }
-        if v >= 2 {
-            super::joints::again(world, step);
-        }
+        super::joints::answer(world, step);
         positions(world, step);
         super::joints::relax(world, step);
         sweep(world, Pass::Relax, step);
-        if v >= 4 {
-            super::joints::relax_again(world, step);
-        }
-        if v >= 5 {
-            sweep(world, Pass::Relax, step);
-        }
     }
 }
 

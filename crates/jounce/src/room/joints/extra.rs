@@ -64,7 +64,17 @@ pub(crate) struct Extras<'a> {
 impl Extras<'_> {
     pub fn push(&mut self, row: Row, duty: Duty) {
         let (ia, ib) = (Vec3::ZERO, Vec3::ZERO);
-        self.list.push(Extra { row, duty, ia, ib, mass: 0.0, impulse: 0.0, before: 0.0, bend: 0.0, acts: false });
+        self.list.push(Extra {
+            row,
+            duty,
+            ia,
+            ib,
+            mass: 0.0,
+            impulse: 0.0,
+            before: 0.0,
+            bend: 0.0,
+            acts: false,
+        });
     }
     /// All that an axis has; `row.c` is its coordinate.
     pub fn axis(&mut self, axis: &AxisDesc, row: Row) {
@@ -246,7 +256,9 @@ impl Extra {
         match &self.duty {
             Duty::Speed { .. } if sweep == Sweep::Place => false,
             Duty::Speed { speed, .. } => self.impulse * (v - speed) > 0.0 && (v - speed).abs() > SLOW,
-            Duty::Limit(_) if sweep == Sweep::Relax => f32s::max(self.gap(), 0.0) + k.h * self.away(v) < -TOUCH,
+            Duty::Limit(_) if sweep == Sweep::Relax => {
+                f32s::max(self.gap(), 0.0) + k.h * self.away(v) < -TOUCH
+            }
             Duty::Limit(l) => self.end(l).0 * self.wanted(v, k, sweep) * k.h < -TOUCH,
             Duty::Spring { .. } => false,
         }

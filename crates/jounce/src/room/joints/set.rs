@@ -335,7 +335,9 @@ impl Solve {
         for (x, y) in self.extra.iter_mut().zip(&list).filter(|(x, _)| turns(x)) {
             let turn = 2.0 * core::f32::consts::PI;
             let way = y.row.c - x.row.c;
-            x.bend = way - turn * (way / turn).round() - k.h * x.row.speed(a, b);
+            let bend = way - turn * (way / turn).round() - k.h * x.row.speed(a, b);
+            // What it asks for at once is bounded like an error.
+            x.bend = limited(bend, k.correct * k.h);
         }
         self.scratch = list;
     }
@@ -691,7 +693,8 @@ impl JointSet {
                 // A rope that held stays a candidate, though the velocities do not yet stretch it: in a cable they are those of
                 // free fall, alike at both its ends. The sign of its own pull lets it go.
                 Sweep::Solve => {
-                    let held = (s.active && s.sign * s.hard.rows[0].c < TAUT_SPEED * k.h) || s.lambda[0] != 0.0;
+                    let held =
+                        (s.active && s.sign * s.hard.rows[0].c < TAUT_SPEED * k.h) || s.lambda[0] != 0.0;
                     s.active = true;
                     if s.sign != 0.0 && !held {
                         let ahead = s.ahead(&joints.table[s.id], a, b, k);
@@ -717,7 +720,9 @@ impl JointSet {
                         },
                         Duty::Spring { .. } | Duty::Limit(LimitDesc { spring: Some(_), .. }) => false,
                         Duty::Limit(l) => match sweep {
-                            Sweep::Relax => l.holds_still() || x.impulse != 0.0 || x.gap() + k.h * x.away(v) < 0.0,
+                            Sweep::Relax => {
+                                l.holds_still() || x.impulse != 0.0 || x.gap() + k.h * x.away(v) < 0.0
+                            }
                             _ => {
                                 let pushed = x.impulse != 0.0 || (x.acts && x.gap() < TAUT_SPEED * k.h);
                                 l.holds_still() || pushed || x.must_act(v, k, sweep)
@@ -779,11 +784,9 @@ impl JointSet {
             let Some(plan) = &self.plan else { return };
             plan.solve(&mut self.numbers);
             self.hand_out();
-            if !self.correct(joints, k, sweep, round) {
-                COUNT[round].fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            if round == ROUNDS || !self.correct(joints, k, sweep, round) {
                 return;
             }
-            if round == ROUNDS { COUNT[0].fetch_add(1, std::sync::atomic::Ordering::Relaxed); }
             self.rewind();
         }
     }
@@ -848,7 +851,10 @@ impl JointSet {
         for s in &mut self.joints {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
             let taken = s.taken();
-            for x in s.extra[..taken].iter_mut().filter(|x| !x.acts && x.mass > 0.0 && x.may_hold() && (motors || x.is_hard_end())) {
+            for x in s.extra[..taken]
+                .iter_mut()
+                .filter(|x| !x.acts && x.mass > 0.0 && x.may_hold() && (motors || x.is_hard_end()))
+            {
                 x.acts = x.must_act(x.row.speed(a, b), k, sweep);
                 changed |= x.acts;
             }
@@ -933,7 +939,7 @@ impl JointSet {
         }
     }
 
-    fn pass(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
+    fn pass(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
         // Gears see what the rows that hold make of them, and answer; row by row, so do ends and motors.
         let alone =
             self.gears.is_empty() && (self.plan.is_some() || self.joints.iter().all(|s| s.extra.is_empty()));
@@ -944,10 +950,10 @@ impl JointSet {
             }
             self.gears(k, sweep, false);
             if self.plan.is_some() {
-                self.direct(joints, k, sweep, round == 0);
+                self.direct(joints, k, sweep, first && round == 0);
             } else {
                 for s in &mut self.joints {
-                    s.hold(&mut self.bodies, k, sweep, round == 0);
+                    s.hold(&mut self.bodies, k, sweep, first && round == 0);
                 }
             }
         }
@@ -1018,11 +1024,12 @@ impl JointSet {
         }
         self.damp();
         self.gears(k, Sweep::Solve, true);
-        self.pass(joints, k, Sweep::Solve);
+        self.pass(joints, k, Sweep::Solve, true);
     }
 
-    pub fn again(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
-        self.pass(joints, k, sweep);
+    /// Before the positions move, after contacts.
+    pub fn answer(&mut self, joints: &Joints, k: &Constants) {
+        self.pass(joints, k, Sweep::Solve, false);
     }
 
     /// Bodies that were put elsewhere come together again, without a change of velocity: Newton's steps of C = 0, each body's share
@@ -1065,7 +1072,7 @@ impl JointSet {
     pub fn relax(&mut self, joints: &Joints, k: &Constants) {
         self.stiffen(k);
         self.refresh(joints);
-        self.pass(joints, k, Sweep::Relax);
+        self.pass(joints, k, Sweep::Relax, true);
         for s in &mut self.joints {
             let rb = self.bodies[s.b].m.dq.rotate(s.start.rb);
             s.account(&joints.table[s.id], k, rb);
@@ -1095,7 +1102,6 @@ const FILL_AUTO: usize = 6;
 const FILL_ASKED: usize = 64;
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 const TAUT_SPEED: f32 = 0.1;
-pub static COUNT: [std::sync::atomic::AtomicU64; 40] = [const { std::sync::atomic::AtomicU64::new(0) }; 40];
 /// Rounds of the active set.
 const ROUNDS: usize = 16;
 /// Of these, those that let motors and friction act again, and those that let ends.
