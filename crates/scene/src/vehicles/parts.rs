@@ -36,6 +36,10 @@ fn radians(deg: f32, low: f32, high: f32, key: &str) -> Checked<f32> {
 
 pub(super) fn change(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
     axes(v, d)?;
+    if let Some(s) = &v.board {
+        d.board = Some(board(s, d.board).key("board")?);
+        VehicleDesc { board: d.board, ..d_alone() }.check().map_err(placed).key("board")?;
+    }
     wheels(v, d)?;
     drive(v, d)?;
     if let Some(all) = &v.anti_roll {
@@ -62,9 +66,7 @@ pub(super) fn change(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
     for (spec, to, key) in [(&v.abs, &mut d.abs, "abs"), (&v.traction, &mut d.traction, "traction")] {
         if let Some(s) = spec {
             *to = slip(s, *to);
-            let mut alone = d_alone();
-            alone.abs = *to;
-            alone.check().map_err(placed).key(key)?;
+            VehicleDesc { abs: *to, ..d_alone() }.check().map_err(placed).key(key)?;
         }
     }
     if let Some(all) = &v.aero {
@@ -77,10 +79,6 @@ pub(super) fn change(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
     if let Some(s) = &v.lean {
         d.lean = Some(lean(s, d.lean).key("lean")?);
         d.check().map_err(placed).key("lean")?;
-    }
-    if let Some(s) = &v.board {
-        d.board = Some(board(s, d.board).key("board")?);
-        d.check().map_err(placed).key("board")?;
     }
     put(&mut d.ground_layers, v.ground_layers.map(|l| l.0));
     put(&mut d.enabled, v.enabled);
