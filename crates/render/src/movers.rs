@@ -84,7 +84,14 @@ fn wheel(pose: WorldPose, radius: f32, width: f32, extras: &mut Extras) {
                 RUBBER,
                 extras,
             );
-            quad(at(half, high, i), at(half, high, i + 1), at(half, rim, i + 1), at(half, rim, i), RUBBER, extras);
+            quad(
+                at(half, high, i),
+                at(half, high, i + 1),
+                at(half, rim, i + 1),
+                at(half, rim, i),
+                RUBBER,
+                extras,
+            );
             let inner = 0.7 * half;
             quad(
                 at(half, rim, i),
@@ -151,7 +158,8 @@ fn hull(mut p: Vec<(f32, f32)>) -> Vec<(f32, f32)> {
     if p.len() < 3 {
         return p;
     }
-    let turn = |a: (f32, f32), b: (f32, f32), c: (f32, f32)| (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
+    let turn =
+        |a: (f32, f32), b: (f32, f32), c: (f32, f32)| (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0);
     let half = |points: &mut dyn Iterator<Item = (f32, f32)>| {
         let mut chain: Vec<(f32, f32)> = Vec::new();
         for q in points {
@@ -210,7 +218,14 @@ fn board(
             quad(at(w[0], -1.0, up), at(w[1], -1.0, up), at(w[1], 1.0, up), at(w[0], 1.0, up), BASE, extras);
         }
         for side in [-1.0, 1.0] {
-            quad(at(w[0], side, 0.0), at(w[1], side, 0.0), at(w[1], side, thick), at(w[0], side, thick), RIM, extras);
+            quad(
+                at(w[0], side, 0.0),
+                at(w[1], side, 0.0),
+                at(w[1], side, thick),
+                at(w[0], side, thick),
+                RIM,
+                extras,
+            );
         }
     }
     // Boots and shins, up to where a rider's body begins.
@@ -297,7 +312,12 @@ mod tests {
             near.fold(0.0, |m: f64, p| if p.x > m { p.x } else { m })
         };
         // 0.13 m at the waist, 0.6²/(2 · 8) m more at the ends of the edge.
-        assert!((wide(0.0) - 0.13).abs() < 1e-3 && (wide(0.6) - 0.1525).abs() < 1e-3, "{} {}", wide(0.0), wide(0.6));
+        assert!(
+            (wide(0.0) - 0.13).abs() < 1e-3 && (wide(0.6) - 0.1525).abs() < 1e-3,
+            "{} {}",
+            wide(0.0),
+            wide(0.6)
+        );
     }
 
     #[test]

@@ -231,4 +231,3 @@ pub(crate) fn walk(s: &WalkSpec, names: &CharacterNames) -> Checked<(Target, Wis
     }
     Ok((target, wish))
 }
-

@@ -140,7 +140,9 @@ pub(crate) fn of_vehicles(
             }
         }
         (VehicleValue::Wheel(_), None) if p.aggregate.is_none() => {
-            return Err(Wrong::new("is of all wheels", "`wheel`, or an aggregate (min, max, sum, …)").key("value"));
+            return Err(
+                Wrong::new("is of all wheels", "`wheel`, or an aggregate (min, max, sum, …)").key("value")
+            );
         }
         (VehicleValue::Wheel(_), None) => {}
         (_, Some(_)) => {

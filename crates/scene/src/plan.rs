@@ -211,11 +211,7 @@ const WORLD_VALUES: [(&str, WorldValue); 12] = [
 const WORLD_AXIS_VALUES: [OfAxis<WorldValue>; 2] =
     [("momentum", WorldValue::Momentum), ("angular_momentum", WorldValue::AngularMomentum)];
 
-pub(crate) fn value<T: Copy>(
-    text: &str,
-    plain: &[(&'static str, T)],
-    axes: &[OfAxis<T>],
-) -> Checked<T> {
+pub(crate) fn value<T: Copy>(text: &str, plain: &[(&'static str, T)], axes: &[OfAxis<T>]) -> Checked<T> {
     if let Some((_, v)) = plain.iter().find(|(n, _)| *n == text) {
         return Ok(*v);
     }
@@ -250,12 +246,7 @@ pub(crate) enum Look {
     Events { kind: EventSpec, target: Option<Target> },
     System { system: usize, point: Option<usize>, value: SystemValue },
     Emitter { emitter: usize, value: EmitterValue },
-    Vehicle {
-        target: Target,
-        wheel: Option<usize>,
-        value: VehicleValue,
-        aggregate: Option<AggregateSpec>,
-    },
+    Vehicle { target: Target, wheel: Option<usize>, value: VehicleValue, aggregate: Option<AggregateSpec> },
     Character { target: Target, value: CharacterValue, aggregate: Option<AggregateSpec> },
 }
 

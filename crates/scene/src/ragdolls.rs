@@ -172,7 +172,8 @@ fn entry(r: &RagdollSpec, library: &mut Library, census: &mut Census) -> Checked
     let mut world = World::new(jounce::WorldDesc::default())?;
     world.add_ragdoll(&d)?;
     let shapes = d.bones.iter().map(|b| b.shapes.len() as u64).sum::<u64>();
-    let (bones, jointed) = (d.bones.len() as u64, d.bones.iter().filter(|b| b.joint.is_some()).count() as u64);
+    let (bones, jointed) =
+        (d.bones.len() as u64, d.bones.iter().filter(|b| b.joint.is_some()).count() as u64);
     let places = match &r.repeat {
         None => vec![Place::HERE],
         // Counted below, with all bones.
@@ -252,7 +253,9 @@ fn bone(b: &BoneSpec, before: &[BoneDesc], library: &mut Library) -> Checked<Bon
             return Err(Wrong::new("is given without `joint`", "how the bone hangs on it").key("parent"));
         }
         (None, Some(_)) => {
-            return Err(Wrong::new("is given without `parent`", "the bone that this one hangs on").key("joint"));
+            return Err(
+                Wrong::new("is given without `parent`", "the bone that this one hangs on").key("joint")
+            );
         }
     };
     Ok(BoneDesc {
@@ -286,9 +289,7 @@ fn bone_joint(j: &BoneJointSpec, parent: usize) -> Checked<BoneJoint> {
             let twist = ends(b.twist_deg, "twist_deg").key("ball")?;
             BoneJointKind::Ball { cone: b.cone_deg.to_radians(), twist }
         }
-        (None, Some(h), None) => {
-            BoneJointKind::Hinge { range: ends(h.range_deg, "range_deg").key("hinge")? }
-        }
+        (None, Some(h), None) => BoneJointKind::Hinge { range: ends(h.range_deg, "range_deg").key("hinge")? },
         (None, None, Some(_)) => BoneJointKind::Fixed,
         _ => return Err(Wrong::new("the joint has no clear kind", "exactly one of ball, hinge, fixed")),
     };
@@ -387,7 +388,9 @@ pub(crate) fn grab(s: &GrabSpec, times: u64, census: &mut Census, names: &mut Na
     }
     let max_force = s.max_force.unwrap_or(f32::INFINITY);
     if !(max_force > 0.0 && (max_force <= FORCE_MAX || s.max_force.is_none())) {
-        return Err(Wrong::new(format!("is {max_force}"), format!("above 0, to {FORCE_MAX:e} N")).key("max_force"));
+        return Err(
+            Wrong::new(format!("is {max_force}"), format!("above 0, to {FORCE_MAX:e} N")).key("max_force")
+        );
     }
     Ok(Hold {
         body: Target { name: String::new(), index: None, count: 0, all: 0 },

@@ -262,7 +262,14 @@ impl Simulation {
     }
 
     /// Notes what a body of a group is called, looks like, and where it starts.
-    fn record(&mut self, g: &Group, n: usize, made: usize, id: BodyId, shade: usize) -> Result<(), SceneError> {
+    fn record(
+        &mut self,
+        g: &Group,
+        n: usize,
+        made: usize,
+        id: BodyId,
+        shade: usize,
+    ) -> Result<(), SceneError> {
         let body = self.world.body(id).map_err(|e| self.refused(&e))?;
         let (kind, pose) = (body.kind(), body.pose());
         let color = g.template(n).color.unwrap_or_else(|| crate::color::of(kind, shade));
@@ -381,8 +388,7 @@ impl Simulation {
         // Whoever is gone by now is not held.
         let Ok(b) = self.world.body(body) else { return Ok(()) };
         let at = b.pose().transform_point(hold.point);
-        let grab =
-            self.world.grab(body, at, hold.spring, hold.max_force).map_err(|e| self.refused(&e))?;
+        let grab = self.world.grab(body, at, hold.spring, hold.max_force).map_err(|e| self.refused(&e))?;
         let family = self.family(1);
         self.record(&hold.hand, 0, occurrence as usize, grab.hand, family)
     }
@@ -516,9 +522,7 @@ impl Simulation {
                 measured(&mut kind, *measure, (b - a).length() as f32);
                 Command::SetJoint(j, Box::new(kind))
             }),
-            Action::Drive { target, input, duration } => {
-                self.drive(target, input, now, steps(*duration))
-            }
+            Action::Drive { target, input, duration } => self.drive(target, input, now, steps(*duration)),
             Action::Walk(target, wish) => {
                 for id in self.characters.of(target).to_vec() {
                     let Ok(input) = self.world.character(id).map(|c| wish.put(c.input())) else { continue };

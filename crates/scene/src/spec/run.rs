@@ -1,8 +1,8 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
 use super::{
-    BodySpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec, JointSpec, NamedJointSpec, PoseSpec,
-    RelaxSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec, SetMotorSpec, WalkSpec,
+    BodySpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec, JointSpec, NamedJointSpec,
+    PoseSpec, RelaxSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec, SetMotorSpec, WalkSpec,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;

@@ -67,7 +67,9 @@ impl Route {
             let l = (w[1] - w[0]).length();
             if l < 1e-3 {
                 let expected = "points at least 1 mm apart";
-                return Err(Wrong::new("is where its neighbour is", expected).index((i + 1) % n).key("points"));
+                return Err(Wrong::new("is where its neighbour is", expected)
+                    .index((i + 1) % n)
+                    .key("points"));
             }
             ways.push(ways[i] + l);
         }
@@ -77,7 +79,9 @@ impl Route {
             (None, Some(all)) if all.len() == parts => all.clone(),
             (None, Some(all)) => {
                 let message = format!("has {} speeds", all.len());
-                return Err(Wrong::new(message, format!("{parts}, one for each part of the line")).key("speeds"));
+                return Err(
+                    Wrong::new(message, format!("{parts}, one for each part of the line")).key("speeds")
+                );
             }
             (Some(_), Some(_)) => {
                 return Err(Wrong::new("is given beside `speed`", "speed or speeds, not both").key("speeds"));

@@ -53,7 +53,8 @@ impl VehicleGroup {
     }
     /// Vehicle `n` on its body.
     pub(crate) fn vehicle(&self, n: usize, chassis: BodyId) -> VehicleDesc {
-        let name = self.name.as_ref().map(|name| if self.single { name.clone() } else { format!("{name}[{n}]") });
+        let name =
+            self.name.as_ref().map(|name| if self.single { name.clone() } else { format!("{name}[{n}]") });
         VehicleDesc { chassis, name, ..self.desc.clone() }
     }
 }
@@ -152,7 +153,9 @@ fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<Vehicle
     };
     parts::change(v, &mut kit.vehicle)?;
     if !(kit.vehicle.wheels.is_empty() || kit.vehicle.board.is_none()) {
-        return Err(Wrong::new("the vehicle has wheels and a board", "wheels or a board, not both").key("board"));
+        return Err(
+            Wrong::new("the vehicle has wheels and a board", "wheels or a board, not both").key("board")
+        );
     }
     let input = v.input.as_ref().map_or(Ok(VehicleInput::default()), |i| input(VehicleInput::default(), i));
     let input = input.key("input")?;
@@ -283,4 +286,3 @@ pub(crate) fn toward(from: &VehicleInput, to: &VehicleInput, part: f64) -> Vehic
         jump: to.jump,
     }
 }
-

@@ -275,7 +275,9 @@ fn try_drive(d: &VehicleDesc, drive: &DriveDesc) -> jounce::Result<()> {
 fn by_hand(auto: &mut Option<(f32, f32)>, given: bool, manual: Option<bool>) -> Checked<()> {
     if manual == Some(true) {
         if given {
-            return Err(Wrong::new("is given beside `auto_rpm`", "auto_rpm or manual, not both").key("manual"));
+            return Err(
+                Wrong::new("is given beside `auto_rpm`", "auto_rpm or manual, not both").key("manual")
+            );
         }
         *auto = None;
     }
@@ -296,7 +298,9 @@ fn ratio(e: jounce::Error, drive: &DriveDesc) -> Wrong {
 
 /// Which axle is wrong.
 fn axle(e: jounce::Error, drive: &DriveDesc, wheels: usize) -> Wrong {
-    let jounce::Error::BadValue { what, field, value, expected } = &e else { return Wrong::from(e).key("axles") };
+    let jounce::Error::BadValue { what, field, value, expected } = &e else {
+        return Wrong::from(e).key("axles");
+    };
     if *what != "differential" {
         return Wrong::new(format!("is {value}"), *expected).key("axles");
     }
