@@ -311,7 +311,7 @@ impl Simulation {
             self.apply(Command::SetVehicleInput(id, g.input))?;
             self.vehicles.add(g.name.as_ref(), id);
             if g.route.is_some() {
-                self.drivers.push(Driver { vehicle: id, entry, way: 0.0 });
+                self.drivers.push(Driver { vehicle: id, entry, way: 0.0, hold: 0.0 });
             }
         }
         Ok(())

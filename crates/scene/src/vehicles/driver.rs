@@ -20,6 +20,8 @@ const STRIDES_MAX: usize = 400;
 /// Throttle and brake per error in speed, s/m.
 const THROTTLE: f32 = 0.4;
 const BRAKE: f32 = 0.25;
+/// Throttle per error in speed and time, 1/m: what holds the speed against all that resists.
+const CRUISE: f32 = 0.15;
 
 /// A line to follow, and how.
 #[derive(Clone, Debug)]
@@ -184,6 +186,8 @@ pub(crate) struct Driver {
     pub entry: usize,
     /// How far along the line the nearest point is, m; of a closed line laps add up.
     pub way: f64,
+    /// Throttle that holds the speed.
+    pub hold: f32,
 }
 
 impl Driver {
@@ -214,9 +218,17 @@ impl Driver {
         };
         let error = (route.speed(self.way) - speed) as f32;
         let done = !route.closed && self.way >= route.length() - STRIDE;
+        // Held back while the pedal is down to the floor, and let go where the brake is needed.
+        let wanted = THROTTLE * error + self.hold;
+        if error < -1.0 {
+            self.hold = 0.0;
+        } else if wanted < 1.0 || error < 0.0 {
+            self.hold = f32s::clamp(self.hold + CRUISE * error * world.dt() as f32, 0.0, 1.0);
+        }
+        let brake = if error < -0.5 { f32s::clamp(-BRAKE * (error + 0.5), 0.0, 1.0) } else { 0.0 };
         Some(VehicleInput {
-            throttle: if done { 0.0 } else { f32s::clamp(THROTTLE * error, 0.0, 1.0) },
-            brake: if done { 1.0 } else { f32s::clamp(-BRAKE * error, 0.0, 1.0) },
+            throttle: if done || brake > 0.0 { 0.0 } else { f32s::clamp(wanted, 0.0, 1.0) },
+            brake: if done { 1.0 } else { brake },
             steer: f32s::clamp(-steer, -1.0, 1.0),
             gear: 1,
             ..VehicleInput::default()
