@@ -229,8 +229,9 @@ fn top_speed() -> Rows {
     let want = (2.0 * (force - rolling) / (1.2 * 0.65)).sqrt();
     let got = f64::from(w.body(b)?.velocity().z);
     let source = "½ ρ v² C_d A + c_r m g R/(R − δ) = F";
-    // τ = m/(ρ C_d A v) is 40 s; after three of them 5 % of the start's error are left, 0.01 m/s.
-    Ok(vec![Row::relative("car pushed by 800 N: speed", want, got, 0.002, "m/s", source)])
+    // τ = m/(ρ C_d A v) is 40 s; after three of them 5 % of the start's error are left, 0.01 m/s. Axles give unevenly, a few per cent
+    // of the resistance to rolling, which is a fifth of all: half of that in the speed.
+    Ok(vec![Row::relative("car pushed by 800 N: speed", want, got, 0.005, "m/s", source)])
 }
 
 fn lean() -> Rows {
