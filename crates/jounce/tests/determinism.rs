@@ -390,6 +390,7 @@ fn traffic() -> World {
     world
 }
 
+/// Picks, computes nothing: it runs in the caller's floating-point mode.
 fn drive(world: &mut World) {
     let step = world.step_count();
     if !step.is_multiple_of(10) {
@@ -398,11 +399,11 @@ fn drive(world: &mut World) {
     let mut rng = Rng::new(step);
     for id in world.vehicles().collect::<Vec<_>>() {
         let input = VehicleInput {
-            throttle: rng.float(0.3, 1.0),
+            throttle: *rng.pick(&[0.3, 0.6, 1.0]),
             brake: if rng.one_in(6) { 1.0 } else { 0.0 },
-            steer: rng.float(-1.0, 1.0),
+            steer: *rng.pick(&[-1.0, -0.4, 0.0, 0.2, 0.7]),
             gear: 1 + rng.below(3) as i32,
-            lean: rng.float(-0.5, 0.5),
+            lean: *rng.pick(&[-0.5, -0.1, 0.0, 0.3]),
             jump: if rng.one_in(4) { 1.0 } else { 0.0 },
             ..VehicleInput::default()
         };
@@ -426,6 +427,7 @@ fn crowd() -> World {
     *world
 }
 
+/// Picks, computes nothing, too.
 fn walk(world: &mut World) {
     let step = world.step_count();
     if !step.is_multiple_of(15) {
@@ -434,7 +436,7 @@ fn walk(world: &mut World) {
     let mut rng = Rng::new(step);
     for id in world.characters().collect::<Vec<_>>() {
         let input = jounce::CharacterInput {
-            walk: rng.vec3(3.0),
+            walk: *rng.pick(&[Vec3::X, Vec3::new(-2.0, 0.0, 1.0), Vec3::new(0.5, 0.0, -3.0), Vec3::ZERO]),
             jump: rng.one_in(4).then_some(4.0),
             crouch: rng.one_in(5),
             ..jounce::CharacterInput::default()

@@ -8,7 +8,7 @@ use crate::error::{Checked, Under, Wrong};
 use crate::shapes::rotation;
 use crate::spec::{DriveSpec, VehicleInputSpec, VehiclePresetSpec, VehicleSpec};
 pub(crate) use driver::{Driver, Route};
-use jounce::limits::GEARS_MAX;
+use jounce::limits::{GEARS_MAX, UNSPRUNG_PART_MAX};
 use jounce::math::scalar::f32s;
 use jounce::math::{DVec3, Vec3};
 use jounce::vehicles::{VehicleKit, car, carry, motorcycle, off_road, snowboard, sports_car, tank};
@@ -157,6 +157,9 @@ fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<Vehicle
             Wrong::new("the vehicle has wheels and a board", "wheels or a board, not both").key("board")
         );
     }
+    if let Chassis::Own(g) = &chassis {
+        light_wheels(v, &kit.vehicle, g)?;
+    }
     let input = v.input.as_ref().map_or(Ok(VehicleInput::default()), |i| input(VehicleInput::default(), i));
     let input = input.key("input")?;
     let route = v.route.as_ref().map(|r| Route::new(r, &kit.vehicle)).transpose().key("route")?;
@@ -168,6 +171,18 @@ fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<Vehicle
         input,
         route,
     })
+}
+
+/// Wheels are a part of the whole.
+fn light_wheels(v: &VehicleSpec, d: &VehicleDesc, own: &Group) -> Checked<()> {
+    let Some(mass) = own.templates[0].desc.mass.map(|m| m.mass) else { return Ok(()) };
+    let wheels: f32 = d.wheels.iter().map(|w| w.mass).sum();
+    if wheels <= UNSPRUNG_PART_MAX * mass {
+        return Ok(());
+    }
+    let key = if v.wheel.as_ref().is_some_and(|w| w.mass.is_some()) { "wheel" } else { "wheels" };
+    let message = format!("have {wheels} kg of the chassis' {mass} kg, of which they are a part");
+    Err(Wrong::new(message, format!("at most {UNSPRUNG_PART_MAX} of it")).key(key))
 }
 
 /// A body of the scene as chassis.
