@@ -185,7 +185,7 @@ fn friction_circle() -> Rows {
         let v = kit.add(&mut w, [0.0; 3], Quat::IDENTITY)?;
         let mut most = 0.0_f64;
         for i in 0..1200_u32 {
-            let on = |every: u32, of: u32| i / every % of == 0;
+            let on = |every: u32, of: u32| (i / every).is_multiple_of(of);
             let input = VehicleInput {
                 throttle: if on(40, 2) { 1.0 } else { 0.0 },
                 brake: if on(30, 5) { 1.0 } else { 0.0 },
