@@ -32,7 +32,16 @@ pub fn add_vehicle(world: &World, id: VehicleId, extras: &mut Extras) {
         track(d, chassis.pose(), &rims, extras);
     }
     let (Some(b), Ok(chassis)) = (&d.board, world.body(v.chassis())) else { return };
-    board(d, chassis.pose(), b.position, b.length, b.width, b.sidecut, extras);
+    // Snow and legs are one spring: it shows in the legs, and the board lies on the snow.
+    let (pose, up) = (chassis.pose(), chassis.rotation().rotate(d.up));
+    let left = d.up.cross(d.forward);
+    let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let lift = v.wheels().zip(corners).filter(|(t, _)| t.load > 0.0).map(|(t, (x, y))| {
+        let corner = b.position + d.forward * (0.5 * x * b.length) + left * (0.5 * y * b.width);
+        (t.point - pose.transform_point(corner)).as_vec3().dot(up)
+    });
+    let lift = lift.fold(0.0, f32s::max);
+    board(d, pose, b.position + d.up * lift, b.length, b.width, b.sidecut, extras);
 }
 
 /// Adds which way a character looks: eyes before its head. Its capsule is a body and shows by itself.
@@ -318,6 +327,21 @@ mod tests {
             wide(0.0),
             wide(0.6)
         );
+    }
+
+    #[test]
+    fn boards_lie_on_the_snow() {
+        let mut w = world();
+        let rider = vehicles::snowboard().add(&mut w, [0.0; 3], Quat::IDENTITY).expect("rider");
+        for _ in 0..120 {
+            w.step().expect("step");
+        }
+        let mut e = Extras::default();
+        add_vehicle(&w, rider, &mut e);
+        let lowest = e.faces.iter().flat_map(|f| [f.a.y, f.b.y, f.c.y]).fold(1e9, f64::min);
+        // Under 80 kg it is m g/k = 2 cm deep before it is lifted.
+        let sunk = w.body(w.vehicle(rider).expect("rider").chassis()).expect("body").position().y;
+        assert!(sunk < -0.015 && lowest.abs() < 2e-3, "{sunk} {lowest}");
     }
 
     #[test]
