@@ -8,7 +8,8 @@ use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, ParticleView, ShapeId, World};
 use jounce_render::{
     Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails,
-    add_joint, contact_overlay, default_skin, render_with, sensor_overlay, srgb, write_whole,
+    add_character, add_joint, add_vehicle, contact_overlay, default_skin, render_with, sensor_overlay, srgb,
+    write_whole,
 };
 use jounce_scene::{Scene, Simulation, System};
 use std::path::Path;
@@ -258,6 +259,9 @@ impl<'a> Painter<'a> {
                 add_joint(world, id, look.width.unwrap_or(self.width), look.color, &mut extras);
             }
         }
+        let world = simulation.world();
+        world.vehicles().for_each(|id| add_vehicle(world, id, &mut extras));
+        world.characters().for_each(|id| add_character(world, id, &mut extras));
         extras
     }
 

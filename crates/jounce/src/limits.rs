@@ -41,6 +41,8 @@ pub const JOINTS_PER_BODY_MAX: usize = 1 << 16;
 pub const VEHICLES_MAX: usize = 1 << 16;
 /// Most wheels of a vehicle.
 pub const WHEELS_MAX: usize = 32;
+/// Largest part of a vehicle's mass that its wheels may have.
+pub const UNSPRUNG_PART_MAX: f32 = 0.9;
 /// Most points of an engine's torque curve.
 pub const TORQUE_POINTS_MAX: usize = 32;
 /// Most forward gears.

@@ -1,8 +1,8 @@
 //! Random worlds: bodies, shapes, surfaces, edits, queries, clones; fields of every law in every second one, particles in two of
-//! four. Nothing panics, nothing that can be seen is infinite or NaN, nobody is quarantined, no step hangs, and the tables agree
-//! with one another.
+//! four, vehicles and characters in four of eight. Nothing panics, nothing that can be seen is infinite or NaN, nobody is quarantined,
+//! no step hangs, and the tables agree with one another. A second storm has joints and ragdolls in every world.
 //!
-//! `JOUNCE_PROVE=1` runs 2,000 seeds, `JOUNCE_STORM_SEED=123` one.
+//! `JOUNCE_PROVE=1` runs 2,000 seeds of each, `JOUNCE_STORM_SEED=123` one.
 
 mod common;
 
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 const STEPS: usize = 240;
-/// Longest a step of at most 40 bodies may take, on a machine that does other things too.
+/// Longest a step of at most 80 bodies may take, on a machine that does other things too.
 const STEP_TIME_MAX: Duration = Duration::from_secs(5);
 
 /// What a world went through.
@@ -29,14 +29,20 @@ struct Seen {
 
 /// One seed, start to end; panics where something is wrong.
 #[expect(clippy::disallowed_methods, reason = "a hang is a failure")]
-fn run(seed: u64) -> Seen {
+fn run(seed: u64, jointed: bool) -> Seen {
     let mut seen = Seen::default();
     let mut storm = Storm::new(seed);
+    if jointed {
+        storm = storm.with_joints(seed);
+    }
     if seed % 4 >= 2 {
         storm = storm.with_particles(seed);
     }
     if seed % 2 == 1 {
         storm = storm.with_fields(seed);
+    }
+    if seed % 8 >= 4 {
+        storm = storm.with_movers(seed);
     }
     let mut twin: Option<Storm> = None;
     for step in 0..STEPS {
@@ -77,10 +83,19 @@ fn message(panic: &(dyn std::any::Any + Send)) -> String {
 }
 
 #[test]
-#[expect(clippy::disallowed_methods, reason = "worlds on one thread each, several at a time")]
 fn random_worlds_stay_sane() {
+    storms("random_worlds_stay_sane", false);
+}
+
+#[test]
+fn random_worlds_with_joints_stay_sane() {
+    storms("random_worlds_with_joints_stay_sane", true);
+}
+
+#[expect(clippy::disallowed_methods, reason = "worlds on one thread each, several at a time")]
+fn storms(test: &str, jointed: bool) {
     if let Ok(seed) = std::env::var("JOUNCE_STORM_SEED") {
-        run(seed.parse().expect("a number"));
+        run(seed.parse().expect("a number"), jointed);
         return;
     }
     let seeds = if common::prove() { 2000 } else { 200 };
@@ -93,11 +108,12 @@ fn random_worlds_stay_sane() {
             if seed >= seeds {
                 return;
             }
-            match catch_unwind(AssertUnwindSafe(|| run(seed))) {
+            match catch_unwind(AssertUnwindSafe(|| run(seed, jointed))) {
                 Ok(seen) => all.lock().expect("no panic while held").push((seed, seen)),
                 Err(panic) => {
                     let why = message(panic.as_ref());
-                    let line = format!("JOUNCE_STORM_SEED={seed} cargo test -p jounce --test storm  # {why}");
+                    let line =
+                        format!("JOUNCE_STORM_SEED={seed} cargo test -p jounce --test storm {test}  # {why}");
                     failed.lock().expect("no panic while held").push(line);
                 }
             }

@@ -3,6 +3,7 @@
 //! * [`render()`]: a [`Camera`], a world (as a [`Stage`]; any [`Tracer`]) and an [`Overlay`] give an [`Image`].
 //! * [`render_with()`] also draws [`Extras`]: particles, smoke, fire, springs, trails, cloth.
 //! * [`add_joint()`]: rods, ropes, springs and axes of a world's joints, for the extras.
+//! * [`add_vehicle()`], [`add_character()`]: wheels, tracks, boards and faces, for the extras.
 //! * [`Trails`]: where moving points have been.
 //! * [`Image`]: pixels, and PNG files; [`Film`]: animated GIFs.
 //! * [`Plot`]: curves over time as SVG or as an [`Image`].
@@ -17,6 +18,7 @@ mod film;
 mod image;
 mod joints;
 mod look;
+mod movers;
 mod overlay;
 mod parallel;
 mod plot;
@@ -33,6 +35,7 @@ pub use film::Film;
 pub use image::{Image, SIDE_MAX, write_whole};
 pub use joints::add_joint;
 pub use look::{Look, PALETTE, Pattern, Skin, palette, srgb};
+pub use movers::{add_character, add_vehicle};
 pub use overlay::{Dot, Line, Overlay};
 pub use plot::{Plot, Series, Style};
 pub use render::{RenderOptions, render, render_with};

@@ -29,7 +29,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    const HERE: Self = Self {
+    pub(crate) const HERE: Self = Self {
         position: DVec3::ZERO,
         rotation: Quat::IDENTITY,
         velocity: Vec3::ZERO,
@@ -145,16 +145,19 @@ pub(crate) struct Bearers {
     kinds: Vec<BodyKind>,
 }
 
+impl Bearers {
+    pub(crate) fn new(count: u64, kinds: Vec<BodyKind>) -> Self {
+        Self { count, kinds }
+    }
+}
+
 /// Names of bodies and who bears each.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Names(BTreeMap<String, Bearers>);
 
 impl Names {
     pub(crate) fn add(&mut self, name: &str, bearers: Bearers) -> Checked<()> {
-        if name.is_empty() || name.contains(['[', ']']) || name.len() > jounce::limits::NAME_MAX - 12 {
-            let expected = "1 to 244 bytes without square brackets";
-            return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
-        }
+        check_name(name)?;
         if self.0.insert(name.into(), bearers).is_some() {
             return Err(
                 Wrong::new(format!("\"{name}\" is given to two bodies"), "a name of its own").key("name")
@@ -185,6 +188,15 @@ impl Names {
         };
         Err(Wrong::new(format!("\"{text}\" names a {kind} body"), expected))
     }
+}
+
+/// Refuses what cannot be told from `name[n]`, or is too long with a number.
+pub(crate) fn check_name(name: &str) -> Checked<()> {
+    if name.is_empty() || name.contains(['[', ']']) || name.len() > jounce::limits::NAME_MAX - 12 {
+        let expected = "1 to 244 bytes without square brackets";
+        return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
+    }
+    Ok(())
 }
 
 /// The things that a text names: `name` (all of them) or `name[n]`.
@@ -331,7 +343,7 @@ fn scale_mass(d: &mut BodyDesc, total: f32) -> Checked<()> {
     Ok(())
 }
 
-fn mass_properties(m: &MassPropertiesSpec) -> Checked<MassProperties> {
+pub(crate) fn mass_properties(m: &MassPropertiesSpec) -> Checked<MassProperties> {
     let (xx, yy, zz, xy, xz, yz) = match m.inertia[..] {
         [xx, yy, zz] => (xx, yy, zz, 0.0, 0.0, 0.0),
         [xx, yy, zz, xy, xz, yz] => (xx, yy, zz, xy, xz, yz),
@@ -364,7 +376,7 @@ pub(crate) fn color(text: &str) -> Checked<[f32; 3]> {
     Ok(rgb)
 }
 
-fn grid(r: &RepeatSpec, shapes: u64, census: &mut Census) -> Checked<Vec<Place>> {
+pub(crate) fn grid(r: &RepeatSpec, shapes: u64, census: &mut Census) -> Checked<Vec<Place>> {
     let n = r.count.each();
     let all = n[0].checked_mul(n[1]).and_then(|m| m.checked_mul(n[2]));
     let limit = format!("at most {} bodies in a scene", limits::SCENE_BODIES_MAX);

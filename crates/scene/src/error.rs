@@ -149,6 +149,14 @@ impl Wrong {
         self
     }
 
+    /// The innermost key by another name, where a value stands under one of its own.
+    pub(crate) fn renamed(mut self, key: &str) -> Self {
+        if let Some(first) = self.0.path.first_mut() {
+            *first = Segment::Key(key.into());
+        }
+        self
+    }
+
     /// With its place in the file.
     pub(crate) fn locate(self, file: &str, text: &str) -> SceneError {
         let mut w = *self.0;

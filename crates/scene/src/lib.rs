@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod bodies;
+mod characters;
 mod color;
 mod decompose;
 mod emitters;
@@ -15,8 +16,10 @@ mod json;
 pub mod limits;
 mod load;
 mod mesh;
+mod movers;
 mod plan;
 mod probe;
+mod ragdolls;
 mod random;
 mod read;
 mod report;
@@ -25,6 +28,7 @@ mod shapes;
 mod simulation;
 pub mod spec;
 mod systems;
+mod vehicles;
 
 pub use error::{Fault, SceneError};
 pub use joints::JointLook;

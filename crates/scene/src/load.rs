@@ -1,6 +1,7 @@
 //! A scene, read and checked.
 
 use crate::bodies::{Census, Group, Names, color, group, scatter};
+use crate::characters::{CharacterGroup, characters};
 use crate::emitters::{Emitters, emitters};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::fields::{Field, fields};
@@ -8,10 +9,12 @@ use crate::joints::{JointGroup, JointNames, find_ends, group as joint_group};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
 use crate::plan::{Entry, Expect, Look, Named, Sources, expects, probes, step_at, step_from, timeline};
+use crate::ragdolls::{RagdollGroup, ragdolls};
 use crate::read::read;
 use crate::shapes::{Library, settings};
 use crate::spec::{SceneSpec, TrailsSpec};
 use crate::systems::{System, systems};
+use crate::vehicles::{VehicleGroup, vehicles};
 use jounce::math::Vec3;
 use jounce::{World, WorldDesc};
 use std::collections::{BTreeMap, BTreeSet};
@@ -39,6 +42,9 @@ pub struct Scene {
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
     pub(crate) joints: Vec<JointGroup>,
+    pub(crate) vehicles: Vec<VehicleGroup>,
+    pub(crate) characters: Vec<CharacterGroup>,
+    pub(crate) ragdolls: Vec<RagdollGroup>,
     pub(crate) fields: Vec<Field>,
     pub(crate) emitters: Vec<Emitters>,
     pub(crate) systems: Vec<System>,
@@ -131,12 +137,16 @@ impl Scene {
 
     /// Joints that are there from the start.
     pub fn joints(&self) -> usize {
-        self.joints.iter().map(JointGroup::len).sum()
+        let dolls = self.ragdolls.iter().map(RagdollGroup::joints);
+        self.joints.iter().map(JointGroup::len).chain(dolls).sum()
     }
 
     /// Bodies that are there from the start.
     pub fn bodies(&self) -> usize {
-        self.groups.iter().map(Group::len).sum()
+        let vehicles = self.vehicles.iter().map(VehicleGroup::own_bodies);
+        let characters = self.characters.iter().map(|c| c.group.len());
+        let dolls = self.ragdolls.iter().map(|r| r.bodies.len());
+        self.groups.iter().map(Group::len).chain(vehicles).chain(characters).chain(dolls).sum()
     }
 }
 
@@ -159,11 +169,23 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         groups.push(g);
     }
     trial(&spec, &world, &groups)?;
-    let (joints, mut joint_names) = joints(&spec, &names, &mut census)?;
+    let (vehicles, vehicle_names) = vehicles(&spec.vehicles, &mut census, &mut names)?;
+    let (characters, character_names) = characters(&spec.characters, &mut census, &mut names)?;
+    let mut joint_names = JointNames::default();
+    let (ragdolls, ragdoll_names) =
+        ragdolls(&spec.ragdolls, &mut library, &mut census, &mut names, &mut joint_names)?;
+    let joints = joints(&spec, &names, &mut joint_names, &mut census)?;
     let fields = fields(&spec.fields, &names)?;
     let emitters = emitters(&spec.emitters, &mut library, &names)?;
     let systems = systems(&spec.systems, 1.0 / (world.rate_hz * f64::from(world.substeps)))?;
-    let sources = Sources { fields: &fields, emitters: &emitters, systems: &systems };
+    let sources = Sources {
+        fields: &fields,
+        emitters: &emitters,
+        systems: &systems,
+        vehicles: (&vehicle_names, &vehicles),
+        characters: &character_names,
+        ragdolls: (&ragdoll_names, &ragdolls),
+    };
     let mut named = Named { bodies: &mut names, joints: &mut joint_names };
     let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut named, &sources)?;
     let probes = probes(&spec.probes, &named, &sources)?;
@@ -171,21 +193,41 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
     within(&spec, world.rate_hz)?;
     looks(&spec, &names)?;
     let name = spec.name.clone().unwrap_or_else(|| name.into());
-    Ok(Scene { name, world, groups, joints, fields, emitters, systems, timeline, probes, expects, spec })
+    Ok(Scene {
+        name,
+        world,
+        groups,
+        joints,
+        vehicles,
+        characters,
+        ragdolls,
+        fields,
+        emitters,
+        systems,
+        timeline,
+        probes,
+        expects,
+        spec,
+    })
 }
 
 /// All joints that are there from the start: first their names, then what they join, since gears name joints.
-fn joints(spec: &SceneSpec, names: &Names, census: &mut Census) -> Checked<(Vec<JointGroup>, JointNames)> {
-    let (mut all, mut joint_names) = (Vec::with_capacity(spec.joints.len()), JointNames::default());
+fn joints(
+    spec: &SceneSpec,
+    names: &Names,
+    joint_names: &mut JointNames,
+    census: &mut Census,
+) -> Checked<Vec<JointGroup>> {
+    let mut all = Vec::with_capacity(spec.joints.len());
     for (i, j) in spec.joints.iter().enumerate() {
         let g = joint_group(j, census).index(i).key("joints")?;
         joint_names.add(&g, 1).index(i).key("joints")?;
         all.push(g);
     }
     for (i, (g, j)) in all.iter_mut().zip(&spec.joints).enumerate() {
-        find_ends(g, j, names, &joint_names, &BTreeMap::new()).index(i).key("joints")?;
+        find_ends(g, j, names, joint_names, &BTreeMap::new()).index(i).key("joints")?;
     }
-    Ok((all, joint_names))
+    Ok(all)
 }
 
 /// Nothing may be said of a time that a run of the scene's own length does not reach: it would pass in silence.

@@ -1,6 +1,7 @@
 //! Probes, timed actions and expectations, checked against the bodies of the scene before anything runs.
 
 use crate::bodies::{Census, Group, Names, Target, group};
+use crate::characters::{CharacterNames, Wish, walk};
 use crate::emitters::{Emitters, find as find_emitter};
 use crate::error::{Checked, Under, Wrong, closest};
 use crate::fields::{Field, explosion, find as find_field};
@@ -8,9 +9,14 @@ use crate::joints::{
     JointGroup, JointNames, Measure, NewMotor, find_ends, group as joint_group, set_joint, set_motor,
 };
 use crate::limits;
+use crate::movers::{CharacterValue, VehicleValue, of_characters, of_vehicles};
+use crate::ragdolls::{Hold, Posing, RagdollGroup, RagdollNames, grab, held, pose};
 use crate::shapes::{Library, rotation, unknown};
-use crate::spec::{AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec};
+use crate::spec::{
+    AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec, VehicleInputSpec,
+};
 use crate::systems::System;
+use crate::vehicles::{VehicleGroup, VehicleNames, drive};
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, Explosion, JointKind};
@@ -22,6 +28,9 @@ pub(crate) struct Sources<'a> {
     pub fields: &'a [Field],
     pub emitters: &'a [Emitters],
     pub systems: &'a [System],
+    pub vehicles: (&'a VehicleNames, &'a [VehicleGroup]),
+    pub characters: &'a CharacterNames,
+    pub ragdolls: (&'a RagdollNames, &'a [RagdollGroup]),
 }
 
 /// Who bears which name.
@@ -155,7 +164,7 @@ const BODY_VALUES: [(&str, BodyValue); 14] = [
     ("friction_force", BodyValue::FrictionForce),
 ];
 
-type OfAxis<T> = (&'static str, fn(usize) -> T);
+pub(crate) type OfAxis<T> = (&'static str, fn(usize) -> T);
 
 const BODY_AXIS_VALUES: [OfAxis<BodyValue>; 5] = [
     ("position", BodyValue::Position),
@@ -180,9 +189,13 @@ pub(crate) enum WorldValue {
     Touching,
     Joints,
     Particles,
+    Vehicles,
+    Characters,
 }
 
-const WORLD_VALUES: [(&str, WorldValue); 10] = [
+const WORLD_VALUES: [(&str, WorldValue); 12] = [
+    ("vehicles", WorldValue::Vehicles),
+    ("characters", WorldValue::Characters),
     ("joints", WorldValue::Joints),
     ("particles", WorldValue::Particles),
     ("energy", WorldValue::Energy),
@@ -198,7 +211,7 @@ const WORLD_VALUES: [(&str, WorldValue); 10] = [
 const WORLD_AXIS_VALUES: [OfAxis<WorldValue>; 2] =
     [("momentum", WorldValue::Momentum), ("angular_momentum", WorldValue::AngularMomentum)];
 
-fn value<T: Copy>(text: &str, plain: &[(&'static str, T)], axes: &[OfAxis<T>]) -> Checked<T> {
+pub(crate) fn value<T: Copy>(text: &str, plain: &[(&'static str, T)], axes: &[OfAxis<T>]) -> Checked<T> {
     if let Some((_, v)) = plain.iter().find(|(n, _)| *n == text) {
         return Ok(*v);
     }
@@ -233,6 +246,8 @@ pub(crate) enum Look {
     Events { kind: EventSpec, target: Option<Target> },
     System { system: usize, point: Option<usize>, value: SystemValue },
     Emitter { emitter: usize, value: EmitterValue },
+    Vehicle { target: Target, wheel: Option<usize>, value: VehicleValue, aggregate: Option<AggregateSpec> },
+    Character { target: Target, value: CharacterValue, aggregate: Option<AggregateSpec> },
 }
 
 pub(crate) fn probes(
@@ -308,7 +323,7 @@ fn of_joint(p: &ProbeSpec, name: &str, joints: &JointNames) -> Checked<Look> {
 }
 
 /// Several need to become one number.
-fn alone(target: &Target, aggregate: Option<AggregateSpec>, what: &str) -> Checked<()> {
+pub(crate) fn alone(target: &Target, aggregate: Option<AggregateSpec>, what: &str) -> Checked<()> {
     if target.count > 1 && aggregate.is_none() {
         let message = format!("names {} {what}", target.count);
         let expected = format!("one, such as {}[0], or an aggregate (min, max, mean, …)", target.name);
@@ -319,6 +334,15 @@ fn alone(target: &Target, aggregate: Option<AggregateSpec>, what: &str) -> Check
 
 fn probe(p: &ProbeSpec, named: &Named<'_>, sources: &Sources<'_>) -> Checked<Look> {
     let names = &*named.bodies;
+    if let Some(name) = &p.character {
+        return of_characters(p, name, sources.characters);
+    }
+    if let Some(name) = &p.vehicle {
+        return of_vehicles(p, name, sources.vehicles.0, sources.vehicles.1);
+    }
+    if p.wheel.is_some() {
+        return Err(Wrong::new("is given without `vehicle`", "wheel only beside vehicle").key("wheel"));
+    }
     if p.system.is_some() || p.emitter.is_some() {
         return of_matter(p, sources);
     }
@@ -333,7 +357,7 @@ fn probe(p: &ProbeSpec, named: &Named<'_>, sources: &Sources<'_>) -> Checked<Loo
     if ways.iter().filter(|w| **w).count() != 1 {
         return Err(Wrong::new(
             "the probe has no clear subject",
-            "exactly one of value (with body or joint), world, sensor, events",
+            "exactly one of value (with body, joint, vehicle or character), world, sensor, events",
         ));
     }
     if p.aggregate.is_some() && p.value.is_none() {
@@ -439,7 +463,9 @@ impl Entry {
     /// When the last of its repeats is over, s.
     pub(crate) fn end(&self) -> f64 {
         let lasts = match &self.action {
-            Action::Push { duration, .. } | Action::MoveTo { duration, .. } => *duration,
+            Action::Push { duration, .. }
+            | Action::MoveTo { duration, .. }
+            | Action::Drive { duration, .. } => *duration,
             _ => 0.0,
         };
         self.at + self.every * (self.times - 1) as f64 + lasts
@@ -466,6 +492,11 @@ pub(crate) enum Action {
     SetMotor(Target, NewMotor),
     SetJoint(Target, Box<JointKind>, Measure),
     EnableJoint(Target, bool),
+    Drive { target: Target, input: VehicleInputSpec, duration: f64 },
+    Walk(Target, Wish),
+    Pose(Target, Posing),
+    Relax(Target),
+    Grab(Box<Hold>),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -497,7 +528,9 @@ pub(crate) fn timeline(
                 .index(i)
                 .key("timeline"));
         }
-        spawned.push(spawn(t, times, library, census, named).key("spawn").index(i).key("timeline")?);
+        let made = spawn(t, times, library, census, named).key("spawn").index(i).key("timeline")?;
+        let hand = t.grab.as_ref().map(|g| grab(g, times, census, named.bodies)).transpose();
+        spawned.push((made, hand.key("grab").index(i).key("timeline")?));
     }
     let mut out = Vec::with_capacity(all.len());
     for (i, (t, spawned)) in all.iter().zip(spawned).enumerate() {
@@ -570,7 +603,7 @@ fn spawned_ends(
 
 fn action(
     t: &TimelineSpec,
-    spawned: (Vec<Group>, Vec<JointGroup>),
+    (spawned, hand): ((Vec<Group>, Vec<JointGroup>), Option<Hold>),
     named: &Named<'_>,
     sources: &Sources<'_>,
 ) -> Checked<Action> {
@@ -594,6 +627,11 @@ fn action(
         ("set_motor", t.set_motor.is_some()),
         ("set_joint", t.set_joint.is_some()),
         ("enable_joint", t.enable_joint.is_some()),
+        ("drive", t.drive.is_some()),
+        ("walk", t.walk.is_some()),
+        ("pose", t.pose.is_some()),
+        ("relax", t.relax.is_some()),
+        ("grab", t.grab.is_some()),
     ];
     let n = given.iter().filter(|(_, there)| *there).count();
     if n != 1 {
@@ -682,6 +720,24 @@ fn action(
     if let Some(e) = &t.enable_joint {
         let target = named.joints.resolve(&e.joint).key("joint").key("enable_joint")?;
         return Ok(Action::EnableJoint(target, e.enabled));
+    }
+    if let Some(d) = &t.drive {
+        let (target, input, duration) = drive(d, sources.vehicles.0).key("drive")?;
+        return Ok(Action::Drive { target, input, duration });
+    }
+    if let Some(w) = &t.walk {
+        return walk(w, sources.characters).map(|(t, w)| Action::Walk(t, w)).key("walk");
+    }
+    if let Some(p) = &t.pose {
+        let (names, all) = sources.ragdolls;
+        return pose(p, names, all).map(|(t, p)| Action::Pose(t, p)).key("pose");
+    }
+    if let Some(r) = &t.relax {
+        return sources.ragdolls.0.resolve(&r.ragdoll).map(Action::Relax).key("ragdoll").key("relax");
+    }
+    if let (Some(g), Some(mut hand)) = (&t.grab, hand) {
+        hand.body = held(g, names).key("grab")?;
+        return Ok(Action::Grab(Box::new(hand)));
     }
     let (groups, mut joints) = spawned;
     spawned_ends(t, &groups, &mut joints, named)?;

@@ -1,10 +1,13 @@
 //! Probes: numbers of a running world.
 
 use crate::bodies::{Group, Target};
+use crate::characters::CharacterRecords;
 use crate::joints::JointRecords;
+use crate::movers::{character_number, vehicle_number};
 use crate::plan::{BodyValue, EmitterValue, JointValue, Look, WorldValue};
 use crate::spec::{AggregateSpec, EventSpec};
 use crate::systems::System;
+use crate::vehicles::{Driver, VehicleRecords};
 use jounce::math::{DVec3, Vec3, WorldPose};
 use jounce::{BodyId, ContactInfo, EmitterId, Event, JointId, ShapeId, World};
 use std::collections::BTreeMap;
@@ -178,6 +181,9 @@ pub(crate) struct Seen<'a> {
     pub systems: &'a [System],
     /// Handles of each entry of `emitters`; those that removed themselves are stale.
     pub emitters: &'a [Vec<EmitterId>],
+    pub vehicles: &'a VehicleRecords,
+    pub drivers: &'a [Driver],
+    pub characters: &'a CharacterRecords,
 }
 
 fn of_particles(v: EmitterValue, world: &World, ids: &[EmitterId]) -> f64 {
@@ -196,13 +202,19 @@ fn of_particles(v: EmitterValue, world: &World, ids: &[EmitterId]) -> f64 {
 
 /// The number that probe `n` shows now; NaN where its body is not there.
 pub(crate) fn evaluate(look: &Look, n: usize, seen: &Seen<'_>) -> f64 {
-    let Seen { world, records, joints, counts, systems, emitters } = *seen;
+    let Seen { world, records, joints, counts, systems, emitters, .. } = *seen;
     match look {
         Look::System { system, point, value } => {
             systems.get(*system).map_or(f64::NAN, |s| s.value(*value, *point))
         }
         Look::Emitter { emitter, value } => {
             of_particles(*value, world, emitters.get(*emitter).map_or(&[], Vec::as_slice))
+        }
+        Look::Vehicle { target, wheel, value, aggregate } => {
+            vehicle_number(*value, target, *wheel, *aggregate, world, seen.vehicles, seen.drivers)
+        }
+        Look::Character { target, value, aggregate } => {
+            character_number(*value, target, *aggregate, world, seen.characters)
         }
         Look::World(v) => of_world(*v, world),
         Look::Joint { target, value, aggregate } => {
@@ -218,7 +230,7 @@ pub(crate) fn evaluate(look: &Look, n: usize, seen: &Seen<'_>) -> f64 {
     }
 }
 
-fn fold(mut numbers: impl Iterator<Item = f64>, aggregate: Option<AggregateSpec>) -> f64 {
+pub(crate) fn fold(mut numbers: impl Iterator<Item = f64>, aggregate: Option<AggregateSpec>) -> f64 {
     let Some(aggregate) = aggregate else { return numbers.next().unwrap_or(f64::NAN) };
     let (mut n, mut sum, mut low, mut high, mut counted) =
         (0u64, 0.0, f64::INFINITY, f64::NEG_INFINITY, 0u64);
@@ -262,6 +274,8 @@ fn of_world(v: WorldValue, world: &World) -> f64 {
         WorldValue::Contacts => world.counts().contacts as f64,
         WorldValue::Particles => world.counts().particles as f64,
         WorldValue::Joints => world.counts().joints as f64,
+        WorldValue::Vehicles => world.counts().vehicles as f64,
+        WorldValue::Characters => world.counts().characters as f64,
         WorldValue::Touching => world.counts().touching as f64,
     }
 }

@@ -2,18 +2,22 @@
 //! times the steps is read here, outside the engine.
 
 use crate::bodies::{Group, Target};
+use crate::characters::{CharacterGroup, CharacterRecords};
 use crate::error::SceneError;
 use crate::joints::{JointGroup, JointLook, JointRecords, measured};
 use crate::load::Scene;
 use crate::plan::{Action, Look, Push, step_at, step_from};
 use crate::probe::{EventCounts, Records, Seen, evaluate};
+use crate::ragdolls::{Hold, RagdollGroup, RagdollRecords};
 use crate::report::{Judge, Report, StepTimes};
 use crate::samples::Samples;
 use crate::systems::System;
+use crate::vehicles::{Chassis, Driver, VehicleGroup, VehicleRecords, input, toward};
 use jounce::math::{Quat, Vec3, WorldPose};
 use jounce::tasks::Tasks;
 use jounce::{
-    BodyId, Command, EmitterId, FieldDesc, FieldId, FieldLaw, JointId, JointRef, StateHasher, World,
+    BodyId, Command, EmitterId, FieldDesc, FieldId, FieldLaw, JointId, JointRef, StateHasher, VehicleId,
+    VehicleInput, World,
 };
 use std::time::Instant;
 
@@ -43,6 +47,10 @@ pub struct Simulation {
     /// Of each entry of `emitters`.
     emitters: Vec<Vec<EmitterId>>,
     systems: Vec<System>,
+    vehicles: VehicleRecords,
+    drivers: Vec<Driver>,
+    characters: CharacterRecords,
+    ragdolls: RagdollRecords,
     /// Timed actions by step, entry and occurrence, in the order they act.
     due: Vec<Due>,
     next: usize,
@@ -67,6 +75,7 @@ struct Due {
 enum Active {
     Push { until: u64, target: Target, push: Push },
     Move { from_step: u64, until: u64, body: BodyId, from: WorldPose, to: WorldPose },
+    Drive { from_step: u64, until: u64, vehicle: VehicleId, from: VehicleInput, to: VehicleInput },
 }
 
 impl Simulation {
@@ -91,6 +100,10 @@ impl Simulation {
             fields: Vec::new(),
             emitters: Vec::new(),
             systems: scene.systems.clone(),
+            vehicles: VehicleRecords::default(),
+            drivers: Vec::new(),
+            characters: CharacterRecords::default(),
+            ragdolls: RagdollRecords::default(),
             due: due(scene),
             next: 0,
             active: Vec::new(),
@@ -111,6 +124,7 @@ impl Simulation {
         let spawned = groups.iter().try_for_each(|g| s.spawn(g, 0));
         s.scene.groups = groups;
         spawned?;
+        s.add_movers()?;
         let joints = std::mem::take(&mut s.scene.joints);
         let joined = s.join(&joints, 0);
         s.scene.joints = joints;
@@ -133,6 +147,7 @@ impl Simulation {
     /// [`SceneError::Run`] where the engine refuses a timed action or the step.
     pub fn step(&mut self) -> Result<(), SceneError> {
         self.act()?;
+        self.look_ahead()?;
         let start = Instant::now();
         let stepped = self.world.step();
         self.times.add(start.elapsed().as_secs_f64() * 1e3);
@@ -186,6 +201,11 @@ impl Simulation {
         self.joints.by_text(name)
     }
 
+    /// All vehicles of `name`, or the one of `name[n]`; some may be removed by now.
+    pub fn vehicles(&self, name: &str) -> &[VehicleId] {
+        self.vehicles.by_text(name)
+    }
+
     /// How the scene wants a joint to look.
     pub fn joint_look(&self, joint: JointId) -> JointLook {
         self.joints.look(joint)
@@ -224,17 +244,153 @@ impl Simulation {
     }
 
     fn spawn(&mut self, g: &Group, made: usize) -> Result<(), SceneError> {
-        let family = self.palette;
-        self.palette += g.templates.len();
+        let family = self.family(g.templates.len());
         for n in 0..g.len() {
             let desc = g.body(n, made);
-            let (kind, position, rotation) = (desc.kind, desc.position, desc.rotation);
             let id = self.world.add_body(desc).map_err(|e| self.refused(&e))?;
             let shade = family + n % g.templates.len() + if g.single { 0 } else { n / g.templates.len() };
-            let color = g.template(n).color.unwrap_or_else(|| crate::color::of(kind, shade));
-            self.records.add(g, n, made, id, color, WorldPose::new(position, rotation));
+            self.record(g, n, made, id, shade)?;
         }
         Ok(())
+    }
+
+    /// Takes colours from the palette.
+    fn family(&mut self, colors: usize) -> usize {
+        let family = self.palette;
+        self.palette += colors;
+        family
+    }
+
+    /// Notes what a body of a group is called, looks like, and where it starts.
+    fn record(
+        &mut self,
+        g: &Group,
+        n: usize,
+        made: usize,
+        id: BodyId,
+        shade: usize,
+    ) -> Result<(), SceneError> {
+        let body = self.world.body(id).map_err(|e| self.refused(&e))?;
+        let (kind, pose) = (body.kind(), body.pose());
+        let color = g.template(n).color.unwrap_or_else(|| crate::color::of(kind, shade));
+        self.records.add(g, n, made, id, color, pose);
+        Ok(())
+    }
+
+    /// Adds vehicles, characters and ragdolls, in the order of the file.
+    fn add_movers(&mut self) -> Result<(), SceneError> {
+        let vehicles = std::mem::take(&mut self.scene.vehicles);
+        let done = vehicles.iter().enumerate().try_for_each(|(i, g)| self.add_vehicles(i, g));
+        self.scene.vehicles = vehicles;
+        done?;
+        let characters = std::mem::take(&mut self.scene.characters);
+        let done = characters.iter().try_for_each(|g| self.add_characters(g));
+        self.scene.characters = characters;
+        done?;
+        let ragdolls = std::mem::take(&mut self.scene.ragdolls);
+        let done = ragdolls.iter().try_for_each(|g| self.add_ragdolls(g));
+        self.scene.ragdolls = ragdolls;
+        done
+    }
+
+    fn add_vehicles(&mut self, entry: usize, g: &VehicleGroup) -> Result<(), SceneError> {
+        let family = self.family(1);
+        for n in 0..g.len() {
+            let chassis = match &g.chassis {
+                Chassis::Own(own) => {
+                    let id = self.world.add_body(own.body(n, 0)).map_err(|e| self.refused(&e))?;
+                    self.record(own, n, 0, id, family + n)?;
+                    id
+                }
+                Chassis::Of(target) => {
+                    let found = self.records.of(target).first().copied();
+                    found.ok_or_else(|| self.missing("body", &target.name))?
+                }
+            };
+            let id = self.world.add_vehicle(g.vehicle(n, chassis)).map_err(|e| self.refused(&e))?;
+            self.apply(Command::SetVehicleInput(id, g.input))?;
+            self.vehicles.add(g.name.as_ref(), id);
+            if g.route.is_some() {
+                self.drivers.push(Driver { vehicle: id, entry, way: 0.0, hold: 0.0 });
+            }
+        }
+        Ok(())
+    }
+
+    fn add_characters(&mut self, g: &CharacterGroup) -> Result<(), SceneError> {
+        let family = self.family(1);
+        for n in 0..g.group.len() {
+            let id = self.world.add_character(g.character(n)).map_err(|e| self.refused(&e))?;
+            self.apply(Command::SetCharacterInput(id, g.input))?;
+            let body = self.world.character(id).map_err(|e| self.refused(&e))?.body();
+            self.record(&g.group, n, 0, body, family + n)?;
+            self.characters.add(g.group.name.as_ref(), id);
+        }
+        Ok(())
+    }
+
+    fn add_ragdolls(&mut self, g: &RagdollGroup) -> Result<(), SceneError> {
+        let family = self.family(1);
+        for n in 0..g.len() {
+            let doll = self.world.add_ragdoll(&g.ragdoll(n)).map_err(|e| self.refused(&e))?;
+            for (i, &body) in doll.bodies.iter().enumerate() {
+                self.record(&g.bodies, n * g.bones() + i, 0, body, family + n)?;
+            }
+            for (i, joint) in doll.joints.iter().enumerate() {
+                if let (Some(id), Some(bone), Some(name)) = (*joint, g.bone_name(i), &g.name) {
+                    self.joints.add_named(&bone, id);
+                    self.joints.add_named(name, id);
+                }
+            }
+            self.ragdolls.add(g.name.as_ref(), doll);
+        }
+        Ok(())
+    }
+
+    fn missing(&self, what: &str, name: &str) -> SceneError {
+        let message = format!("{what} \"{name}\" is not there; expected one that is");
+        SceneError::Run { scene: self.scene.name.clone(), time: self.world.time(), message }
+    }
+
+    /// Drivers who follow lines do what the line asks for.
+    fn look_ahead(&mut self) -> Result<(), SceneError> {
+        let mut drivers = std::mem::take(&mut self.drivers);
+        let done = drivers.iter_mut().try_for_each(|d| {
+            let route = self.scene.vehicles.get(d.entry).and_then(|g| g.route.as_ref());
+            let input = route.and_then(|r| d.drive(r, &self.world));
+            input.map_or(Ok(()), |i| self.apply(Command::SetVehicleInput(d.vehicle, i)))
+        });
+        self.drivers = drivers;
+        done
+    }
+
+    fn drive(
+        &mut self,
+        target: &Target,
+        given: &crate::spec::VehicleInputSpec,
+        now: u64,
+        steps: u64,
+    ) -> Result<(), SceneError> {
+        for id in self.vehicles.of(target).to_vec() {
+            let Ok(v) = self.world.vehicle(id) else { continue };
+            let from = v.input();
+            // Values were checked when the scene was read.
+            let Ok(to) = input(from, given) else { continue };
+            self.drivers.retain(|d| d.vehicle != id);
+            self.active.retain(|a| !matches!(a, Active::Drive { vehicle, .. } if *vehicle == id));
+            self.active.push(Active::Drive { from_step: now, until: now + steps, vehicle: id, from, to });
+        }
+        Ok(())
+    }
+
+    fn grab(&mut self, hold: &Hold, occurrence: u64) -> Result<(), SceneError> {
+        let Some(&body) = self.records.of(&hold.body).first() else { return Ok(()) };
+        // Whoever is gone by now is not held.
+        let Ok(b) = self.world.body(body) else { return Ok(()) };
+        let at = b.pose().transform_point(hold.point);
+        let grab = self.world.grab(body, at, hold.spring, hold.max_force).map_err(|e| self.refused(&e))?;
+        let family = self.family(1);
+        self.record(&hold.hand, 0, occurrence as usize, grab.hand, family)
     }
 
     /// Adds joints, gears last since they name others.
@@ -366,6 +522,28 @@ impl Simulation {
                 measured(&mut kind, *measure, (b - a).length() as f32);
                 Command::SetJoint(j, Box::new(kind))
             }),
+            Action::Drive { target, input, duration } => self.drive(target, input, now, steps(*duration)),
+            Action::Walk(target, wish) => {
+                for id in self.characters.of(target).to_vec() {
+                    let Ok(input) = self.world.character(id).map(|c| wish.put(c.input())) else { continue };
+                    self.apply(Command::SetCharacterInput(id, input))?;
+                }
+                Ok(())
+            }
+            Action::Pose(target, p) => {
+                for doll in self.ragdolls.of(target).to_vec() {
+                    let driven = doll.drive(&mut self.world, &p.poses, &p.drive, &p.strengths);
+                    driven.map_err(|e| self.refused(&e))?;
+                }
+                Ok(())
+            }
+            Action::Relax(target) => {
+                for doll in self.ragdolls.of(target).to_vec() {
+                    doll.relax(&mut self.world).map_err(|e| self.refused(&e))?;
+                }
+                Ok(())
+            }
+            Action::Grab(hold) => self.grab(hold, occurrence),
             Action::SetField(n, on) => {
                 let Some(&id) = self.fields.get(*n) else { return Ok(()) };
                 let mut desc = self.world.field(id).map_err(|e| self.refused(&e))?.clone();
@@ -441,6 +619,7 @@ impl Simulation {
             Active::Push { until, .. } => *until > now,
             // A body removed on the way ends its way.
             Active::Move { until, body, .. } => *until > now && self.world.body(*body).is_ok(),
+            Active::Drive { until, vehicle, .. } => *until > now && self.world.vehicle(*vehicle).is_ok(),
         });
         let done = active.iter().try_for_each(|a| match a {
             Active::Push { target, push, .. } => {
@@ -451,6 +630,10 @@ impl Simulation {
                 let part = (now + 1 - from_step) as f64 / (until - from_step) as f64;
                 let pose = between(from, to, part);
                 self.apply(Command::MoveTo(*body, pose.p, pose.q))
+            }
+            Active::Drive { from_step, until, vehicle, from, to } => {
+                let part = (now + 1 - from_step) as f64 / (until - from_step) as f64;
+                self.apply(Command::SetVehicleInput(*vehicle, toward(from, to, part)))
             }
         });
         self.active = active;
@@ -486,6 +669,9 @@ impl Simulation {
             counts: &self.counts,
             systems: &self.systems,
             emitters: &self.emitters,
+            vehicles: &self.vehicles,
+            drivers: &self.drivers,
+            characters: &self.characters,
         };
         let look = |(n, (_, look)): (usize, &(String, Look))| evaluate(look, n, &seen);
         self.values = self.scene.probes.iter().enumerate().map(look).collect();

@@ -13,12 +13,13 @@ fn root() -> PathBuf {
 }
 
 fn files() -> Vec<PathBuf> {
-    let mut all: Vec<PathBuf> = ["scenes", "scenes/course", "scenes/joints", "scenes/outside"]
-        .iter()
-        .filter_map(|folder| std::fs::read_dir(root().join(folder)).ok())
-        .flat_map(|entries| entries.map(|e| e.expect("a folder that can be listed").path()))
-        .filter(|p| p.extension().is_some_and(|e| e == "json") && !p.ends_with("schema.json"))
-        .collect();
+    let mut all: Vec<PathBuf> =
+        ["scenes", "scenes/course", "scenes/games", "scenes/joints", "scenes/outside"]
+            .iter()
+            .filter_map(|folder| std::fs::read_dir(root().join(folder)).ok())
+            .flat_map(|entries| entries.map(|e| e.expect("a folder that can be listed").path()))
+            .filter(|p| p.extension().is_some_and(|e| e == "json") && !p.ends_with("schema.json"))
+            .collect();
     all.sort();
     all
 }

@@ -136,7 +136,7 @@ fn everything_runs_to_its_end_as_it_expects() {
     }
     let report: serde_json::Value = serde_json::from_str(&s.finish().json()).expect("JSON");
     let all = report["expectations"].as_array().expect("expectations");
-    assert!(all.len() == 5 && all.iter().all(|e| e["pass"] == true), "{all:#?}");
+    assert!(all.len() == 6 && all.iter().all(|e| e["pass"] == true), "{all:#?}");
     assert!(s.systems().len() == 3 && s.systems().iter().all(|s| s.failed_at().is_none()));
     assert!(report["particles"].as_u64().is_some_and(|n| n > 50), "{report}");
 }

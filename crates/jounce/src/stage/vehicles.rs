@@ -48,7 +48,9 @@ fn dynamic_row(world: &World, body: u32) -> u32 {
 }
 
 fn acts(world: &World, v: &Vehicle) -> bool {
-    v.enabled && dynamic_row(world, v.chassis) != NONE
+    v.enabled
+        && dynamic_row(world, v.chassis) != NONE
+        && v.desc.is_carried_by(world.bodies[v.chassis].mass.mass)
 }
 
 /// Looks for the ground; wakes vehicles whose ground moves, and sleepers that are driven on.

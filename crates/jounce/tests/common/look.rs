@@ -31,7 +31,56 @@ pub fn not_finite(world: &World) -> Option<String> {
     if let Some(p) = world.particles().find(bad) {
         return Some(format!("{p:?}"));
     }
+    for id in world.vehicles() {
+        let v = world.vehicle(id).expect("listed vehicles are alive");
+        let t = v.telemetry();
+        let all = [t.speed, t.rpm, t.clutch_torque, t.ratio, t.traction, t.lean];
+        if all.iter().any(|x| !x.is_finite()) || v.wheels().any(|w| !wheel(&w)) {
+            return Some(format!("vehicle {id:?} {t:?} {:?}", v.wheels().collect::<Vec<_>>()));
+        }
+    }
+    for id in world.characters() {
+        let c = world.character(id).expect("listed characters are alive");
+        let ground = c.ground().is_none_or(|g| {
+            g.point.is_finite()
+                && g.normal.is_finite()
+                && g.velocity.is_finite()
+                && world.body(g.body).is_ok()
+        });
+        let all = c.position().is_finite() && c.velocity().is_finite() && c.heading().is_finite();
+        if !all || !ground || !c.air_time().is_finite() {
+            return Some(format!("character {id:?} {:?} {:?} {:?}", c.position(), c.velocity(), c.ground()));
+        }
+    }
+    for id in world.joints() {
+        let j = world.joint(id).expect("listed joints are alive");
+        let [a, b] = j.anchors();
+        let all = a.is_finite() && b.is_finite() && j.force().is_finite() && j.torque().is_finite();
+        if !all || !j.coordinate().is_finite() || !j.gap().is_finite() {
+            return Some(format!("joint {id:?} {:?} {:?} {:?}", j.force(), j.torque(), j.anchors()));
+        }
+    }
     world.events().iter().find_map(event)
+}
+
+fn wheel(w: &jounce::WheelTelemetry) -> bool {
+    let all = [
+        w.load,
+        w.longitudinal_force,
+        w.lateral_force,
+        w.slip_ratio,
+        w.slip_angle,
+        w.friction,
+        w.spin,
+        w.angle,
+        w.steer,
+        w.travel,
+        w.travel_speed,
+        w.suspension_force,
+        w.drive_torque,
+        w.abs,
+    ];
+    all.iter().all(|x| x.is_finite()) && w.point.is_finite() && w.normal.is_finite() && w.load >= 0.0
 }
 
 fn shapes_of(world: &World, b: &BodyRef<'_>) -> String {

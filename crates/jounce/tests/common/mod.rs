@@ -3,6 +3,7 @@
 
 pub mod fields;
 pub mod look;
+pub mod movers;
 pub mod particles;
 pub mod rng;
 pub mod storm;

@@ -1,7 +1,7 @@
 //! Random worlds and random edits of them, a function of the seed alone.
 
 use super::rng::Rng;
-use super::{fields, particles};
+use super::{fields, movers, particles};
 use jounce::geometry::{Compound, HeightField, Hull, MassProperties, Shape, TriMesh, TriMeshOptions};
 use jounce::math::Mat3;
 use jounce::prelude::*;
@@ -27,6 +27,10 @@ pub struct Storm {
     pub emitters: Option<Rng>,
     /// Draws fields and edits of them, where there are any.
     pub fields: Option<Rng>,
+    /// Draws vehicles and characters, and edits of them, where there are any.
+    pub movers: Option<Rng>,
+    /// Draws joints and ragdolls, and edits of them, where there are any.
+    pub joints: Option<Rng>,
 }
 
 impl Storm {
@@ -46,6 +50,8 @@ impl Storm {
             around: |f| f(),
             emitters: None,
             fields: None,
+            movers: None,
+            joints: None,
         };
         storm.hooks();
         for _ in 0..1 + storm.rng.below(2) {
@@ -82,10 +88,34 @@ impl Storm {
         self
     }
 
+    /// With vehicles and characters, whose random numbers are their own too.
+    pub fn with_movers(mut self, seed: u64) -> Self {
+        self.movers = Some(Rng::new(seed ^ 0x5b1d));
+        for _ in 0..24 {
+            movers::edit(&mut self);
+        }
+        self
+    }
+
+    /// With joints and ragdolls, whose random numbers are their own too.
+    pub fn with_joints(mut self, seed: u64) -> Self {
+        self.joints = Some(Rng::new(seed ^ 0x64e9));
+        for _ in 0..16 {
+            movers::edit_joints(&mut self);
+        }
+        self
+    }
+
     /// Some edits, then a step.
     pub fn step(&mut self) {
         if self.fields.as_mut().is_some_and(|r| r.one_in(5)) {
             fields::edit(self);
+        }
+        if self.movers.as_mut().is_some_and(|r| r.one_in(2)) {
+            movers::edit(self);
+        }
+        if self.joints.as_mut().is_some_and(|r| r.one_in(3)) {
+            movers::edit_joints(self);
         }
         if self.emitters.as_mut().is_some_and(|r| r.one_in(3)) {
             particles::edit(self);

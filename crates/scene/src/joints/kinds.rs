@@ -183,7 +183,7 @@ fn unlocked(s: &AxisSpec) -> Checked<()> {
     Ok(())
 }
 
-pub(super) fn stiffness(s: &StiffnessSpec) -> Checked<SpringDesc> {
+pub(crate) fn stiffness(s: &StiffnessSpec) -> Checked<SpringDesc> {
     let hooke = s.stiffness.is_some() || s.damping.is_some();
     let spring = match (s.hertz, hooke) {
         (Some(hertz), false) => SpringDesc::hertz(hertz, s.damping_ratio.unwrap_or(1.0)),

@@ -2,16 +2,16 @@
 
 mod kinds;
 
-use crate::bodies::{Census, Names, Target, color, resolve_name};
+use crate::bodies::{Census, Names, Target, check_name, color, resolve_name};
 use crate::error::{Checked, Under, Wrong};
 use crate::limits;
 use crate::shapes::rotation;
 use crate::spec::{Count, JointFrameSpec, JointRepeatSpec, JointSolverSpec, JointSpec};
-use jounce::limits::{NAME_MAX, POSITION_MAX};
+use jounce::limits::POSITION_MAX;
 use jounce::math::{DVec3, Pose, Quat, Vec3, WorldPose};
 use jounce::{BodyId, JointDesc, JointFrames, JointId, JointKind, JointSolver};
-use kinds::{Kinds, kind, stiffness};
-pub(crate) use kinds::{NewMotor, set_joint, set_motor};
+use kinds::{Kinds, kind};
+pub(crate) use kinds::{NewMotor, set_joint, set_motor, stiffness};
 use std::collections::BTreeMap;
 
 /// A joint to be copied, or a single one.
@@ -154,11 +154,12 @@ impl JointNames {
     /// Gives a group its name; `times` is how often it is made.
     pub(crate) fn add(&mut self, g: &JointGroup, times: u64) -> Checked<()> {
         let Some(name) = &g.name else { return Ok(()) };
-        if name.is_empty() || name.contains(['[', ']']) || name.len() > NAME_MAX - 12 {
-            let expected = "1 to 244 bytes without square brackets";
-            return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
-        }
-        if self.0.insert(name.clone(), (g.len() as u64 * times, g.desc.kind.name())).is_some() {
+        self.add_named(name, g.len() as u64 * times, g.desc.kind.name())
+    }
+    /// Gives so many joints of a kind a name.
+    pub(crate) fn add_named(&mut self, name: &str, count: u64, kind: &'static str) -> Checked<()> {
+        check_name(name)?;
+        if self.0.insert(name.into(), (count, kind)).is_some() {
             let message = format!("\"{name}\" is given to two joints");
             return Err(Wrong::new(message, "a name of its own").key("name"));
         }
@@ -312,7 +313,7 @@ fn turn(axis: Option<[f32; 3]>, deg: Option<[f32; 3]>, q: Option<[f32; 4]>) -> C
     Ok(Quat::from_rotation_arc(Vec3::X, v / n))
 }
 
-fn frame(s: Option<&JointFrameSpec>) -> Checked<Pose> {
+pub(crate) fn frame(s: Option<&JointFrameSpec>) -> Checked<Pose> {
     let s = s.copied().unwrap_or_default();
     let p = s.position.unwrap_or([0.0; 3]);
     if p.iter().any(|x| x.abs() > 1e6) {
@@ -403,6 +404,10 @@ impl JointRecords {
             self.looks.resize_with(slot + 1, || None);
         }
         self.looks[slot] = Some((id, JointLook { color: g.color, width: g.width }));
+    }
+    /// A joint of a name, that looks as joints do.
+    pub(crate) fn add_named(&mut self, name: &str, id: JointId) {
+        self.names.entry(name.into()).or_default().push(id);
     }
     pub(crate) fn look(&self, id: JointId) -> JointLook {
         let entry = self.looks.get(id.index() as usize).copied().flatten();

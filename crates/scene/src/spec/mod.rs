@@ -3,18 +3,24 @@
 //! where the key ends in `_deg`.
 
 mod body;
+mod character;
 mod field;
 mod joint;
+mod ragdoll;
 mod run;
 mod system;
 mod values;
+mod vehicle;
 
 pub use body::*;
+pub use character::*;
 pub use field::*;
 pub use joint::*;
+pub use ragdoll::*;
 pub use run::*;
 pub use system::*;
 pub use values::*;
+pub use vehicle::*;
 
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -58,6 +64,15 @@ pub struct SceneSpec {
     /// What holds bodies together: hinges, ropes, springs, gears, ….
     #[serde(default)]
     pub joints: Vec<JointSpec>,
+    /// Cars, motorcycles, tanks, snowboards.
+    #[serde(default)]
+    pub vehicles: Vec<VehicleSpec>,
+    /// Who walks.
+    #[serde(default)]
+    pub characters: Vec<CharacterSpec>,
+    /// Bodies joined as bones are.
+    #[serde(default)]
+    pub ragdolls: Vec<RagdollSpec>,
     /// Laws that act on everything in a region: gravity of stars, wind, air, water, whirls.
     #[serde(default)]
     pub fields: Vec<FieldSpec>,

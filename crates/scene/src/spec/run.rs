@@ -1,15 +1,15 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
 use super::{
-    BodySpec, EmitSpec, EnableJointSpec, ExplodeSpec, JointSpec, NamedJointSpec, SetEmitterSpec,
-    SetFieldSpec, SetJointSpec, SetMotorSpec,
+    BodySpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec, JointSpec, NamedJointSpec,
+    PoseSpec, RelaxSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec, SetMotorSpec, WalkSpec,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
 /// `wake`, `sleep`, `enable`, `explode`, `set_field`,
-/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint` and `enable_joint`.
+/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint`, `enable_joint`, `drive`, `walk`, `pose`, `relax` and `grab`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimelineSpec {
@@ -55,6 +55,16 @@ pub struct TimelineSpec {
     pub set_joint: Option<Box<SetJointSpec>>,
     /// Takes joints out of the simulation, or back in.
     pub enable_joint: Option<EnableJointSpec>,
+    /// What drivers of vehicles do from now on.
+    pub drive: Option<Box<DriveSpec>>,
+    /// What characters do from now on.
+    pub walk: Option<Box<WalkSpec>>,
+    /// Drives ragdolls to a pose.
+    pub pose: Option<Box<PoseSpec>>,
+    /// Lets ragdolls go limp.
+    pub relax: Option<RelaxSpec>,
+    /// Takes hold of a body.
+    pub grab: Option<Box<GrabSpec>>,
 }
 
 /// Bodies and joints to add.
@@ -144,8 +154,8 @@ pub struct EnableSpec {
     pub enabled: bool,
 }
 
-/// A number sampled every step: exactly one of `body` with `value`, `joint` with `value`, `world`, `sensor`,
-/// and `events`.
+/// A number sampled every step: exactly one of `body`, `joint`, `system`, `emitter`, `vehicle` or `character` with `value`, and
+/// `world`, `sensor`, and `events`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ProbeSpec {
@@ -163,7 +173,7 @@ pub struct ProbeSpec {
     /// How many bodies or joints become one number.
     pub aggregate: Option<AggregateSpec>,
     /// Of the whole world: energy, kinetic_energy, potential_energy, momentum.x|y|z, angular_momentum.x|y|z, bodies,
-    /// awake, shapes, contacts, touching, joints (broken ones too), particles.
+    /// awake, shapes, contacts, touching, joints (broken ones too), particles, vehicles, characters.
     pub world: Option<String>,
     /// Name of a system of points and springs, with `value` (and `point`): position.x|y|z and velocity.x|y|z (of a point, or of
     /// the centre of mass), momentum.x|y|z, speed, distance (from the start), radius (from the origin; of all points the
@@ -173,6 +183,17 @@ pub struct ProbeSpec {
     pub point: Option<u64>,
     /// Name of an emitter, with `value`: particles, born, highest, lowest, center.x|y|z, speed (mean).
     pub emitter: Option<String>,
+    /// Name of a vehicle, or of many with `aggregate`, with `value`: speed (along it, m/s), rpm, gear, lean_deg (to the right),
+    /// grounded (wheels on the ground), traction (throttle let through), clutch_torque (N m), route (way along it, m); and of
+    /// wheels, with `wheel` or `aggregate`: load, longitudinal_force, lateral_force (left positive), suspension_force (N), slip_ratio,
+    /// slip_angle_deg, friction (μ in force), grip_used (force ÷ μ load), spin (rad/s), steer_deg (left positive), travel (m, down
+    /// positive), drive_torque (N m), abs (brake let through).
+    pub vehicle: Option<String>,
+    /// Number of a wheel, from 0; of a board: nose left, nose right, tail left, tail right.
+    pub wheel: Option<u64>,
+    /// Name of a character, or of many with `aggregate`, with `value`: position.x|y|z (of the foot), velocity.x|y|z, speed,
+    /// heading_deg, grounded, crouched, on_steep, hit_ceiling, squeezed (1 or 0), air_time (s), stepped (m in the last step).
+    pub character: Option<String>,
     /// Name of a body with sensor shapes: how many shapes are inside.
     pub sensor: Option<String>,
     /// Counts events of a kind since the start.

@@ -4,6 +4,7 @@
 //! step, h = Δt/substeps the substep, ε = 2⁻²⁴ the rounding of one f32 operation. The integrator is semi-implicit Euler:
 //! after n substeps v = v₀ + a n h exactly and x = v₀ t + ½ a t² + ½ a t h, so its error is ½ a t h.
 
+mod characters;
 mod collision;
 mod curves;
 mod far;
@@ -20,6 +21,7 @@ mod seams;
 mod spin;
 mod stacks;
 mod textbook;
+mod vehicles;
 
 use super::Law;
 use jounce::prelude::*;
@@ -37,6 +39,8 @@ pub(crate) const LAWS: &[&[Law]] = &[
     spin::LAWS,
     curves::LAWS,
     joints::LAWS,
+    vehicles::LAWS,
+    characters::LAWS,
     stacks::LAWS,
     far::LAWS,
     fast::LAWS,

@@ -98,8 +98,13 @@ impl World {
         self.do_remove_body(body)
     }
 
-    /// A body goes: so does the character that it is.
+    /// A body goes: so does the character that it is, and nobody stands on it any more.
     pub(crate) fn drop_character_of(&mut self, body: u32) {
+        for c in self.characters.table.values_mut() {
+            if c.ground.is_some_and(|g| g.body.index() == body) {
+                c.ground = None;
+            }
+        }
         let found = self.characters.table.iter().find(|(_, c)| c.body == body).map(|(i, _)| i);
         if let Some(i) = found {
             self.characters.table.remove(i);

@@ -11,6 +11,7 @@ use crate::room::joints::desc::{
 use crate::room::rigid::desc::{BodyDesc, check_position, check_rotation};
 use crate::world::World;
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};
+use jounce_tasks::FloatEnv;
 
 /// How a bone turns against its parent. The joint's axis is the x axis of its frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,6 +165,7 @@ impl RagdollDesc {
 
     /// Poses of the bones at rest, in the ragdoll's frame.
     pub fn rest_poses(&self) -> Vec<Pose> {
+        let _mode = FloatEnv::set_default();
         let mut poses: Vec<Pose> = Vec::with_capacity(self.bones.len());
         for b in &self.bones {
             let mut pose = Pose::new(b.rest.p, b.rest.q.normalize());
@@ -231,6 +233,7 @@ impl World {
     /// # Errors
     /// A description out of range, named; nothing is added then.
     pub fn add_ragdoll(&mut self, desc: &RagdollDesc) -> Result<Ragdoll> {
+        let _mode = FloatEnv::set_default();
         desc.check()?;
         let mut doll = Ragdoll { bodies: Vec::new(), joints: Vec::new(), links: Vec::new() };
         match self.add_bones(desc, &mut doll) {

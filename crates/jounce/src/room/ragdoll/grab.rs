@@ -6,6 +6,7 @@ use crate::room::joints::desc::{AxisDesc, JointDesc, JointFrames, JointKind, Mot
 use crate::room::rigid::desc::{BodyDesc, check_position};
 use crate::world::World;
 use jounce_math::{DVec3, Pose, Quat, WorldPose};
+use jounce_tasks::FloatEnv;
 
 /// A hold on a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +24,7 @@ impl World {
     /// # Errors
     /// A stale handle, or a value out of range, named; nothing is added then.
     pub fn grab(&mut self, body: BodyId, at: DVec3, spring: SpringDesc, max_force: f32) -> Result<Grab> {
+        let _mode = FloatEnv::set_default();
         check_position(at)?;
         let pose = self.body(body)?.pose();
         let hand = self.add_body(BodyDesc::kinematic().at(at).name("hand"))?;

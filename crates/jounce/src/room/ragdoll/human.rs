@@ -7,6 +7,7 @@ use super::desc::{BoneDesc, BoneJoint, BoneJointKind, RagdollDesc};
 use crate::room::contacts::desc::{Material, ShapeDesc};
 use crate::room::joints::desc::SpringDesc;
 use jounce_math::{Pose, Quat, Vec3};
+use jounce_tasks::FloatEnv;
 
 enum Kind {
     Root,
@@ -214,6 +215,7 @@ impl RagdollDesc {
     /// A person, 1.75 m tall, 14 bones of density 1000 kg/m³, standing on the origin and looking along +z. Each joint has some
     /// friction and a weak spring to its rest.
     pub fn human() -> Self {
+        let _mode = FloatEnv::set_default();
         Self::new(ROWS.iter().map(bone).collect())
     }
 }

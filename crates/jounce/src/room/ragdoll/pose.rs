@@ -6,6 +6,7 @@ use crate::room::joints::desc::SpringDesc;
 use crate::room::rigid::desc::{BodyKind, check_rotation, check_spin};
 use crate::world::World;
 use jounce_math::{Quat, Vec3, WorldPose, scalar::f32s, scalar::f64s};
+use jounce_tasks::FloatEnv;
 
 /// Where a bone should be against its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +24,7 @@ impl BonePose {
     }
     /// Poses of all bones from their rotations in one frame (a root's own is kept as it is), at rest against each other.
     pub fn from_rotations(doll: &Ragdoll, rotations: &[Quat]) -> Vec<Self> {
+        let _mode = FloatEnv::set_default();
         let parent = |i: usize| doll.links.get(i)?.as_ref().and_then(|j| rotations.get(j.parent));
         let against = |(i, q): (usize, &Quat)| Self::at(parent(i).map_or(*q, |p| p.inverse_mul(*q)));
         rotations.iter().enumerate().map(against).collect()
@@ -68,6 +70,7 @@ impl Ragdoll {
         drive: &PoseDrive,
         strengths: &[f32],
     ) -> Result<()> {
+        let _mode = FloatEnv::set_default();
         self.one_each(poses.len())?;
         if !strengths.is_empty() {
             self.one_each(strengths.len())?;
@@ -155,6 +158,7 @@ impl Ragdoll {
 /// Between two poses of a skeleton: 0 is the first (what physics made of it), 1 the second (what the animation wants). Lead the bones
 /// there over some frames to get up.
 pub fn blend_poses(from: &[WorldPose], to: &[WorldPose], weight: f32) -> Vec<WorldPose> {
+    let _mode = FloatEnv::set_default();
     let t = f32s::clamp(weight, 0.0, 1.0);
     let mix = |(a, b): (&WorldPose, &WorldPose)| {
         WorldPose::new(a.p.lerp(b.p, f64s::clamp(f64::from(t), 0.0, 1.0)), a.q.nlerp(b.q, t))

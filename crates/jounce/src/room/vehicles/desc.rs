@@ -316,7 +316,8 @@ pub struct BoardDesc {
 /// All lengths in the chassis' frame. `forward` and `up` are its axes; left is up × forward.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleDesc {
-    /// The body; dynamic, and of no other vehicle. Its mass is that of the whole vehicle, wheels too.
+    /// The body; dynamic, and of no other vehicle. Its mass is that of the whole vehicle, wheels too: these have at most 0.9 of it. A
+    /// vehicle whose chassis is made lighter than that later does nothing until it is heavy enough again.
     pub chassis: BodyId,
     /// Where it drives to; unit. Default +z.
     pub forward: Vec3,
@@ -392,6 +393,11 @@ impl VehicleDesc {
     pub fn aero(mut self, aero: AeroSurfaceDesc) -> Self {
         self.aero.push(aero);
         self
+    }
+
+    /// Is a chassis of this mass (kg) heavy enough for the wheels that are a part of it?
+    pub(crate) fn is_carried_by(&self, mass: f32) -> bool {
+        self.wheels.iter().map(|w| w.mass).sum::<f32>() <= limits::UNSPRUNG_PART_MAX * mass
     }
 
     /// Refuses what cannot be simulated.

@@ -35,6 +35,7 @@ impl World {
             });
         }
         check(body.vehicle == NONE, "vehicle", "chassis", d.chassis, "a body that is of no other vehicle")?;
+        self.check_unsprung(chassis, &d)?;
         let mut v = Vehicle {
             chassis,
             enabled: d.enabled,
@@ -55,6 +56,13 @@ impl World {
         self.bodies[chassis].vehicle = index;
         self.wake_body(chassis);
         Ok(VehicleId { index, generation })
+    }
+
+    fn check_unsprung(&self, chassis: u32, d: &VehicleDesc) -> Result<()> {
+        let mass = self.bodies[chassis].mass.mass;
+        let wheels: f32 = d.wheels.iter().map(|w| w.mass).sum();
+        let expected = "in all at most 0.9 of the chassis' mass, of which it is a part";
+        check(d.is_carried_by(mass), "wheel", "mass", wheels, expected)
     }
 
     pub(crate) fn do_remove_vehicle(&mut self, id: VehicleId) -> Result<()> {
@@ -83,6 +91,7 @@ impl World {
         let expected = "a board where it has one (remove it and add another)";
         check(d.board.is_some() != v.stations.is_empty(), "vehicle", "board", d.board.is_some(), expected)?;
         let chassis = v.chassis;
+        self.check_unsprung(chassis, &d)?;
         let v = &mut self.vehicles.table[slot];
         v.enabled = d.enabled;
         v.desc = d;

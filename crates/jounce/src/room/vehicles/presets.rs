@@ -15,6 +15,7 @@ use crate::room::rigid::desc::BodyDesc;
 use crate::world::World;
 use jounce_geometry::MassProperties;
 use jounce_math::{DVec3, Mat3, Quat, Vec3};
+use jounce_tasks::FloatEnv;
 
 /// A body and the vehicle on it, to be changed before they are added.
 #[derive(Clone, Debug)]
@@ -68,6 +69,7 @@ fn mass(mass: f32, center: [f32; 3], inertia: [f32; 3]) -> MassProperties {
 
 /// Springs of the wheels for a mass and its centre along +z: loads linear in z, and hubs lowered by what tyres give.
 pub fn carry(wheels: &mut [WheelDesc], mass: f32, center_z: f32) {
+    let _mode = FloatEnv::set_default();
     let n = wheels.len() as f32;
     if wheels.is_empty() {
         return;
@@ -109,6 +111,7 @@ fn slip(slip: f32) -> Option<SlipControlDesc> {
 /// A front-wheel drive car: 1,300 kg, wheelbase 2.6 m, automatic gearbox, ABS and traction control. Wheels: front left, front right,
 /// rear left, rear right.
 pub fn car() -> VehicleKit {
+    let _mode = FloatEnv::set_default();
     let m = mass(1300.0, [0.0, 0.5, 0.1], [1900.0, 2100.0, 480.0]);
     let body = BodyDesc::dynamic()
         .mass(m)
@@ -153,6 +156,7 @@ pub fn car() -> VehicleKit {
 
 /// A rear-wheel drive sports car with a limited-slip differential, a gearbox by hand and wings; no electronics.
 pub fn sports_car() -> VehicleKit {
+    let _mode = FloatEnv::set_default();
     let m = mass(1200.0, [0.0, 0.42, -0.1], [1600.0, 1800.0, 420.0]);
     let body = BodyDesc::dynamic()
         .mass(m)
@@ -222,6 +226,7 @@ pub fn sports_car() -> VehicleKit {
 
 /// An all-wheel drive car for rough ground: long travel, locked differentials, automatic gearbox.
 pub fn off_road() -> VehicleKit {
+    let _mode = FloatEnv::set_default();
     let m = mass(2000.0, [0.0, 0.8, 0.0], [3200.0, 3400.0, 900.0]);
     let body = BodyDesc::dynamic()
         .mass(m)
@@ -277,6 +282,7 @@ pub fn off_road() -> VehicleKit {
 
 /// A motorcycle with its rider: 260 kg, leans into its turns. Wheels: front, rear.
 pub fn motorcycle() -> VehicleKit {
+    let _mode = FloatEnv::set_default();
     let m = mass(260.0, [0.0, 0.6, 0.0], [42.0, 30.0, 18.0]);
     let body = BodyDesc::dynamic()
         .mass(m)
@@ -342,6 +348,7 @@ pub fn motorcycle() -> VehicleKit {
 
 /// A tracked vehicle of 20 t with five road wheels a side (left side first, front to rear); turns on the spot.
 pub fn tank() -> VehicleKit {
+    let _mode = FloatEnv::set_default();
     let m = mass(20_000.0, [0.0, 1.1, 0.0], [60_000.0, 70_000.0, 25_000.0]);
     let body = BodyDesc::dynamic()
         .mass(m)
@@ -407,6 +414,7 @@ pub fn tank() -> VehicleKit {
 
 /// A snowboarder of 80 kg who rides along +z, on a board with a side-cut of 8 m.
 pub fn snowboard() -> VehicleKit {
+    let _mode = FloatEnv::set_default();
     let m = mass(80.0, [0.0, 0.8, 0.0], [12.0, 5.0, 10.0]);
     let body =
         BodyDesc::dynamic().mass(m).shape(ShapeDesc::capsule(0.45, 0.25).at([0.0, 0.85, 0.0]).friction(0.1));

@@ -1,0 +1,412 @@
+//! Ragdolls of a scene file: their bones, checked, the poses that drive them, and hands that hold bodies.
+
+use crate::bodies::{Census, Group, Names, Place, Target, Template, check_name, color, grid, resolve_name};
+use crate::error::{Checked, Under, Wrong};
+use crate::joints::{JointNames, frame, stiffness};
+use crate::shapes::{Library, rotation, unknown};
+use crate::spec::{
+    BoneJointSpec, BoneSpec, GrabSpec, PoseSpec, RagdollPresetSpec, RagdollSpec, StiffnessSpec,
+};
+use jounce::limits::{BONES_MAX, FORCE_MAX};
+use jounce::math::{DVec3, Pose, Quat, Vec3};
+use jounce::{
+    BodyDesc, BodyKind, BoneDesc, BoneJoint, BoneJointKind, BonePose, PoseDrive, Ragdoll, RagdollDesc,
+    ShapeDesc, SpringDesc, World,
+};
+use std::collections::BTreeMap;
+
+/// One entry: a ragdoll, or copies of it.
+#[derive(Clone, Debug)]
+pub(crate) struct RagdollGroup {
+    pub name: Option<String>,
+    pub single: bool,
+    desc: RagdollDesc,
+    /// The group of copy 0; each further copy has the next lower one.
+    collision_group: i32,
+    places: Vec<Place>,
+    /// The bodies as a group: a template for each bone, in turn. Its names are "doll" and "doll.head".
+    pub bodies: Group,
+}
+
+impl RagdollGroup {
+    pub(crate) fn len(&self) -> usize {
+        self.places.len()
+    }
+    pub(crate) fn bones(&self) -> usize {
+        self.desc.bones.len()
+    }
+    /// Joints of all copies.
+    pub(crate) fn joints(&self) -> usize {
+        self.len() * self.desc.bones.iter().filter(|b| b.joint.is_some()).count()
+    }
+    /// Ragdoll `n`, its bones named as the bodies are.
+    pub(crate) fn ragdoll(&self, n: usize) -> RagdollDesc {
+        let (place, mut d) = (&self.places[n], self.desc.clone());
+        d.position += place.position;
+        d.rotation = (place.rotation * d.rotation).normalize();
+        d.velocity += place.velocity;
+        d.group = self.collision_group - n as i32;
+        for b in &mut d.bones {
+            let own = joint_name(self.name.as_deref(), &b.name).unwrap_or_else(|| b.name.clone());
+            b.name = if self.single { own } else { format!("{own}[{n}]") };
+        }
+        d
+    }
+    /// "doll.head", for bone `i`.
+    pub(crate) fn bone_name(&self, i: usize) -> Option<String> {
+        joint_name(self.name.as_deref(), &self.desc.bones[i].name)
+    }
+}
+
+fn joint_name(doll: Option<&str>, bone: &str) -> Option<String> {
+    doll.map(|d| format!("{d}.{bone}"))
+}
+
+/// Names of ragdolls: how many bear each, and which entry they are of.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RagdollNames(BTreeMap<String, (u64, usize)>);
+
+impl RagdollNames {
+    /// The ragdolls that a text names: `name` (all of them) or `name[n]`.
+    pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
+        let known = self.0.keys().map(String::as_str);
+        resolve_name("ragdoll", text, known, |name| self.0.get(name).map(|r| r.0))
+    }
+    fn entry(&self, t: &Target) -> usize {
+        self.0.get(&t.name).map_or(0, |r| r.1)
+    }
+}
+
+/// The ragdolls of a scene, by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RagdollRecords {
+    names: BTreeMap<String, Vec<Ragdoll>>,
+}
+
+impl RagdollRecords {
+    pub(crate) fn add(&mut self, name: Option<&String>, doll: Ragdoll) {
+        if let Some(name) = name {
+            self.names.entry(name.clone()).or_default().push(doll);
+        }
+    }
+    /// The ragdolls of a target; some of their bones may be removed by now.
+    pub(crate) fn of(&self, target: &Target) -> &[Ragdoll] {
+        let all = self.names.get(&target.name).map_or(&[][..], Vec::as_slice);
+        match target.index {
+            None => all,
+            Some(i) => all.get(i..=i).unwrap_or(&[]),
+        }
+    }
+}
+
+/// All entries of `ragdolls`. Their bodies and joints get their names.
+pub(crate) fn ragdolls(
+    all: &[RagdollSpec],
+    library: &mut Library,
+    census: &mut Census,
+    names: &mut Names,
+    joints: &mut JointNames,
+) -> Checked<(Vec<RagdollGroup>, RagdollNames)> {
+    let (mut out, mut ragdoll_names) = (Vec::with_capacity(all.len()), RagdollNames::default());
+    // Groups of their own begin where no scene's own are likely to be.
+    let mut next = -1_000_000;
+    for (i, r) in all.iter().enumerate() {
+        let mut g = entry(r, library, census).index(i).key("ragdolls")?;
+        g.collision_group = r.group.unwrap_or(next);
+        next -= g.len() as i32;
+        if let Some(name) = &g.name {
+            let bodies = g.bodies.names(1);
+            bodies
+                .and_then(|n| n.into_iter().try_for_each(|(n, b)| names.add(&n, b)))
+                .and_then(|()| name_joints(&g, name, joints))
+                .index(i)
+                .key("ragdolls")?;
+            ragdoll_names.0.insert(name.clone(), (g.len() as u64, i));
+        }
+        out.push(g);
+    }
+    Ok((out, ragdoll_names))
+}
+
+fn name_joints(g: &RagdollGroup, name: &str, joints: &mut JointNames) -> Checked<()> {
+    let n = g.len() as u64;
+    let jointed: Vec<_> = g.desc.bones.iter().filter_map(|b| Some((&b.name, b.joint.as_ref()?))).collect();
+    for (bone, j) in &jointed {
+        let kind = match j.kind {
+            BoneJointKind::Ball { .. } => "ball",
+            BoneJointKind::Hinge { .. } => "hinge",
+            BoneJointKind::Fixed => "fixed",
+        };
+        joints.add_named(&format!("{name}.{bone}"), n, kind)?;
+    }
+    joints.add_named(name, n * jointed.len() as u64, "ragdoll")
+}
+
+fn entry(r: &RagdollSpec, library: &mut Library, census: &mut Census) -> Checked<RagdollGroup> {
+    let mut d = match (r.preset, r.bones.is_empty()) {
+        (Some(RagdollPresetSpec::Human), true) => RagdollDesc::human(),
+        (None, false) => RagdollDesc::new(bones(&r.bones, library).key("bones")?),
+        (Some(_), false) => {
+            return Err(Wrong::new("is given beside `preset`", "bones or a preset, not both").key("bones"));
+        }
+        (None, true) => return Err(Wrong::new("the ragdoll has no bones", "`preset` or `bones`")),
+    };
+    if let Some(name) = &r.name {
+        check_name(name)?;
+        let longest = d.bones.iter().map(|b| b.name.len()).max().unwrap_or(0);
+        check_name(&format!("{name}.{}", "x".repeat(longest)))?;
+    }
+    d.position = DVec3::from_array(r.position.unwrap_or([0.0; 3]));
+    d.rotation = rotation(r.rotation_deg, r.rotation)?;
+    d.velocity = Vec3::from_array(r.velocity.unwrap_or([0.0; 3]));
+    d.close_gaps = r.close_gaps.unwrap_or(true);
+    if r.self_collision == Some(false) {
+        d = d.never_meets_itself();
+    }
+    if let Some(g) = r.group.filter(|g| !(-1_000_000_000..0).contains(g)) {
+        return Err(Wrong::new(format!("is {g}"), "a negative group, to -1e9").key("group"));
+    }
+    d.group = r.group.unwrap_or(-1);
+    d.check()?;
+    // The engine looks at all of it once.
+    let mut world = World::new(jounce::WorldDesc::default())?;
+    world.add_ragdoll(&d)?;
+    let shapes = d.bones.iter().map(|b| b.shapes.len() as u64).sum::<u64>();
+    let (bones, jointed) =
+        (d.bones.len() as u64, d.bones.iter().filter(|b| b.joint.is_some()).count() as u64);
+    let places = match &r.repeat {
+        None => vec![Place::HERE],
+        // Counted below, with all bones.
+        Some(rep) => grid(rep, 1, &mut Census::default()).key("repeat")?,
+    };
+    let copies = places.len() as u64;
+    census.add(copies * bones, shapes.div_ceil(bones))?;
+    census.joints(copies * jointed)?;
+    let color = r.color.as_deref().map(color).transpose().key("color")?;
+    let templates = d
+        .bones
+        .iter()
+        .map(|b| {
+            let mut desc = BodyDesc::dynamic();
+            desc.name = joint_name(r.name.as_deref(), &b.name);
+            Template { desc, color }
+        })
+        .collect();
+    let all = vec![Place::HERE; places.len() * d.bones.len()];
+    let bodies = Group { name: r.name.clone(), templates, places: all, single: false };
+    Ok(RagdollGroup {
+        name: r.name.clone(),
+        single: r.repeat.is_none(),
+        desc: d,
+        collision_group: 0,
+        places,
+        bodies,
+    })
+}
+
+fn bones(all: &[BoneSpec], library: &mut Library) -> Checked<Vec<BoneDesc>> {
+    if all.len() > BONES_MAX {
+        return Err(Wrong::new(format!("has {} bones", all.len()), format!("at most {BONES_MAX}")));
+    }
+    let mut out: Vec<BoneDesc> = Vec::with_capacity(all.len());
+    for (i, b) in all.iter().enumerate() {
+        out.push(bone(b, &out, library).index(i)?);
+    }
+    Ok(out)
+}
+
+fn bone(b: &BoneSpec, before: &[BoneDesc], library: &mut Library) -> Checked<BoneDesc> {
+    let plain = !b.name.is_empty() && b.name.len() <= 64 && !b.name.contains(['[', ']', '.']);
+    if !plain {
+        let expected = "1 to 64 bytes without dots and square brackets";
+        return Err(Wrong::new(format!("is {:?}", b.name), expected).key("name"));
+    }
+    if before.iter().any(|o| o.name == b.name) {
+        let message = format!("\"{}\" is given to two bones", b.name);
+        return Err(Wrong::new(message, "a name of its own").key("name"));
+    }
+    let p = b.position.unwrap_or([0.0; 3]);
+    if p.iter().any(|x| x.abs() > 1e6) {
+        return Err(Wrong::new(format!("is {p:?}"), "within ±1e6 m").key("position"));
+    }
+    let mut shapes: Vec<ShapeDesc> = Vec::with_capacity(b.shapes.len());
+    for (i, s) in b.shapes.iter().enumerate() {
+        let built = library.shape(s).and_then(|shape| {
+            BodyDesc::dynamic().shape(shape.clone()).check()?;
+            Ok(shape)
+        });
+        shapes.push(built.index(i).key("shapes")?);
+    }
+    if shapes.is_empty() {
+        return Err(Wrong::new("the bone has no shapes", "at least one, with mass or density").key("shapes"));
+    }
+    let joint = match (&b.parent, &b.joint) {
+        (None, None) => None,
+        (Some(name), Some(j)) => {
+            let known = before.iter().map(|o| o.name.as_str());
+            let Some(parent) = before.iter().position(|o| o.name == *name) else {
+                return Err(unknown("bone", name, known).key("parent"));
+            };
+            Some(bone_joint(j, parent).key("joint")?)
+        }
+        (Some(_), None) => {
+            return Err(Wrong::new("is given without `joint`", "how the bone hangs on it").key("parent"));
+        }
+        (None, Some(_)) => {
+            return Err(
+                Wrong::new("is given without `parent`", "the bone that this one hangs on").key("joint")
+            );
+        }
+    };
+    Ok(BoneDesc {
+        name: b.name.clone(),
+        rest: Pose::new(Vec3::from_array(p), rotation(b.rotation_deg, b.rotation)?),
+        shapes,
+        meets_group: b.meets_group.unwrap_or(true),
+        joint,
+    })
+}
+
+fn bone_joint(j: &BoneJointSpec, parent: usize) -> Checked<BoneJoint> {
+    let radians = |deg: f32, key: &str| {
+        if deg.abs() <= 180.0 {
+            return Ok(deg.to_radians());
+        }
+        Err(Wrong::new(format!("is {deg}"), "within ±180 degrees").key(key))
+    };
+    let ends = |deg: [f32; 2], key: &str| {
+        if deg[0] > deg[1] {
+            return Err(Wrong::new(format!("is {deg:?}"), "the least angle, then the largest").key(key));
+        }
+        Ok([radians(deg[0], key)?, radians(deg[1], key)?])
+    };
+    let kind = match (&j.ball, &j.hinge, &j.fixed) {
+        (Some(b), None, None) => {
+            if !(0.0..=180.0).contains(&b.cone_deg) {
+                let wrong = Wrong::new(format!("is {}", b.cone_deg), "0 to 180 degrees");
+                return Err(wrong.key("cone_deg").key("ball"));
+            }
+            let twist = ends(b.twist_deg, "twist_deg").key("ball")?;
+            BoneJointKind::Ball { cone: b.cone_deg.to_radians(), twist }
+        }
+        (None, Some(h), None) => BoneJointKind::Hinge { range: ends(h.range_deg, "range_deg").key("hinge")? },
+        (None, None, Some(_)) => BoneJointKind::Fixed,
+        _ => return Err(Wrong::new("the joint has no clear kind", "exactly one of ball, hinge, fixed")),
+    };
+    let torque = |v: Option<f32>, otherwise: f32, key: &str| {
+        let v = v.unwrap_or(otherwise);
+        if !(0.0..=1e12).contains(&v) {
+            return Err(Wrong::new(format!("is {v}"), "0 to 1e12 N m").key(key));
+        }
+        Ok(v)
+    };
+    Ok(BoneJoint {
+        parent,
+        on_parent: frame(Some(&j.on_parent)).key("on_parent")?,
+        on_bone: frame(Some(&j.on_bone)).key("on_bone")?,
+        kind,
+        friction: torque(j.friction, 0.0, "friction")?,
+        rest_spring: j.rest_spring.as_ref().map(stiffness).transpose().key("rest_spring")?,
+        strength: torque(j.strength, 100.0, "strength")?,
+    })
+}
+
+/// A pose to drive ragdolls to.
+#[derive(Clone, Debug)]
+pub(crate) struct Posing {
+    pub poses: Vec<BonePose>,
+    pub drive: PoseDrive,
+    pub strengths: Vec<f32>,
+}
+
+fn spring_or(s: Option<&StiffnessSpec>, otherwise: SpringDesc) -> Checked<SpringDesc> {
+    s.map_or(Ok(otherwise), stiffness).key("spring")
+}
+
+/// The action `pose`.
+pub(crate) fn pose(s: &PoseSpec, names: &RagdollNames, all: &[RagdollGroup]) -> Checked<(Target, Posing)> {
+    let target = names.resolve(&s.ragdoll).key("ragdoll")?;
+    let Some(g) = all.get(names.entry(&target)) else {
+        return Err(Wrong::new("there is no such ragdoll", "the name of a ragdoll").key("ragdoll"));
+    };
+    let strength = |v: Option<f32>| match v.unwrap_or(1.0) {
+        v if (0.0..=1e6).contains(&v) => Ok(v),
+        v => Err(Wrong::new(format!("is {v}"), "0 to 1e6").key("strength")),
+    };
+    let otherwise = PoseDrive::default();
+    let drive = PoseDrive {
+        spring: spring_or(s.spring.as_ref(), otherwise.spring)?,
+        strength: strength(s.strength)?,
+    };
+    let rest: Vec<Quat> = g.desc.rest_poses().iter().map(|p| p.q).collect();
+    let (mut turns, mut strengths) = (vec![Quat::IDENTITY; rest.len()], vec![1.0; rest.len()]);
+    for (name, b) in &s.bones.0 {
+        let known = g.desc.bones.iter().map(|o| o.name.as_str());
+        let Some(i) = g.desc.bone(name) else {
+            return Err(unknown("bone", name, known).key(name).key("bones"));
+        };
+        let told = |w: Wrong| w.key(name).key("bones");
+        turns[i] = rotation(b.rotation_deg, b.rotation).map_err(told)?;
+        strengths[i] = strength(b.strength).map_err(told)?;
+    }
+    let poses = g.desc.bones.iter().enumerate().map(|(i, b)| {
+        let parent = b.joint.as_ref().map_or(Quat::IDENTITY, |j| rest[j.parent]);
+        BonePose::at(parent.inverse_mul(turns[i] * rest[i]).normalize())
+    });
+    Ok((target, Posing { poses: poses.collect(), drive, strengths }))
+}
+
+/// A hand to be.
+#[derive(Clone, Debug)]
+pub(crate) struct Hold {
+    pub body: Target,
+    pub point: Vec3,
+    pub spring: SpringDesc,
+    pub max_force: f32,
+    /// The hand, as a group of bodies.
+    pub hand: Group,
+}
+
+/// The action `grab`, made so many times; the hand gets its name.
+pub(crate) fn grab(s: &GrabSpec, times: u64, census: &mut Census, names: &mut Names) -> Checked<Hold> {
+    let mut hand = BodyDesc::kinematic();
+    hand.name = Some(s.hand.clone());
+    let hand = Group {
+        name: Some(s.hand.clone()),
+        templates: vec![Template { desc: hand, color: None }],
+        places: vec![Place::HERE],
+        single: times == 1,
+    };
+    hand.names(times)
+        .and_then(|all| all.into_iter().try_for_each(|(n, b)| names.add(&n, b)))
+        .map_err(|w| w.renamed("hand"))?;
+    census.add(times, 0)?;
+    census.joints(times)?;
+    let p = s.point.unwrap_or([0.0; 3]);
+    if p.iter().any(|x| x.abs() > 1e6) {
+        return Err(Wrong::new(format!("is {p:?}"), "within ±1e6 m").key("point"));
+    }
+    let max_force = s.max_force.unwrap_or(f32::INFINITY);
+    if !(max_force > 0.0 && (max_force <= FORCE_MAX || s.max_force.is_none())) {
+        return Err(
+            Wrong::new(format!("is {max_force}"), format!("above 0, to {FORCE_MAX:e} N")).key("max_force")
+        );
+    }
+    Ok(Hold {
+        body: Target { name: String::new(), index: None, count: 0, all: 0 },
+        point: Vec3::from_array(p),
+        spring: spring_or(s.spring.as_ref(), SpringDesc::hertz(5.0, 1.0))?,
+        max_force,
+        hand,
+    })
+}
+
+/// Looks up whom a hand holds.
+pub(crate) fn held(s: &GrabSpec, names: &Names) -> Checked<Target> {
+    let target = names.resolve_only(&s.body, &[BodyKind::Dynamic], "a dynamic body").key("body")?;
+    if target.count > 1 {
+        let message = format!("names {} bodies", target.count);
+        return Err(Wrong::new(message, format!("one, such as {}[0]", target.name)).key("body"));
+    }
+    Ok(target)
+}

@@ -1,0 +1,208 @@
+//! Vehicles, characters and ragdolls of scene files: names, copies, actions, drivers, probes.
+
+use jounce::tasks::Tasks;
+use jounce_scene::{LoadOptions, Scene, Simulation};
+
+const GROUND: &str =
+    r#"{"name": "ground", "type": "fixed", "shapes": [{"half_space": {"normal": [0, 1, 0]}}]}"#;
+
+fn scene(rest: &str) -> Result<Scene, String> {
+    let text = format!(r#"{{"jounce": 1, "bodies": [{GROUND}], {rest}}}"#);
+    Scene::from_str(&text, "movers.json", &LoadOptions::default()).map_err(|e| e.to_string())
+}
+
+fn start(rest: &str) -> Simulation {
+    let scene = scene(rest).unwrap_or_else(|e| panic!("{e}"));
+    Simulation::new(&scene, Tasks::serial()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn run(s: &mut Simulation, seconds: f64) {
+    for _ in 0..s.steps_for(seconds) {
+        s.step().unwrap_or_else(|e| panic!("{e}"));
+    }
+}
+
+fn value(s: &Simulation, probe: &str) -> f64 {
+    let n = s.samples().names().iter().position(|p| p == probe).expect("a probe");
+    s.values()[n]
+}
+
+#[test]
+fn drivers_get_there_evenly() {
+    let mut s = start(
+        r#""vehicles": [{"name": "car", "preset": "car", "input": {"gear": 1}}],
+        "timeline": [{"at": 1, "drive": {"vehicle": "car", "throttle": 0.8, "steer": -0.4, "duration": 1}},
+                     {"at": 3, "drive": {"vehicle": "car", "throttle": 0, "brake": 1}}]"#,
+    );
+    let input = |s: &Simulation| s.world().vehicle(s.vehicles("car")[0]).expect("car").input();
+    run(&mut s, 1.0);
+    assert_eq!((input(&s).throttle, input(&s).gear), (0.0, 1));
+    run(&mut s, 0.5);
+    // Half of the way, and the gear stays.
+    assert!(
+        (input(&s).throttle - 0.4).abs() < 1e-6 && (input(&s).steer + 0.2).abs() < 1e-6,
+        "{:?}",
+        input(&s)
+    );
+    run(&mut s, 1.0);
+    assert_eq!((input(&s).throttle, input(&s).steer, input(&s).gear), (0.8, -0.4, 1));
+    run(&mut s, 0.6);
+    assert_eq!((input(&s).throttle, input(&s).brake, input(&s).steer), (0.0, 1.0, -0.4));
+}
+
+#[test]
+fn a_driver_follows_his_line_until_he_is_asked_otherwise() {
+    let mut s = start(
+        r#""vehicles": [{"name": "car", "preset": "car", "route": {"points": [[0, 0, 0], [0, 0, 40], [40, 0, 40], [40, 0, 90]],
+            "speed": 8}}],
+        "timeline": [{"at": 20, "drive": {"vehicle": "car", "steer": 1}}],
+        "probes": {"way": {"vehicle": "car", "value": "route"}, "speed": {"vehicle": "car", "value": "speed"},
+            "x": {"body": "car", "value": "position.x"}, "z": {"body": "car", "value": "position.z"}}"#,
+    );
+    run(&mut s, 5.0);
+    assert!((value(&s, "speed") - 8.0).abs() < 0.5, "{}", value(&s, "speed"));
+    run(&mut s, 14.5);
+    // At the end it stands: 130 m along the line, on it.
+    assert!(
+        value(&s, "way") > 128.0 && value(&s, "speed").abs() < 0.1,
+        "{} {}",
+        value(&s, "way"),
+        value(&s, "speed")
+    );
+    assert!((value(&s, "x") - 40.0).abs() < 1.0 && (value(&s, "z") - 90.0).abs() < 2.0);
+    run(&mut s, 1.0);
+    assert!(value(&s, "way").is_nan(), "the driver has got off");
+    assert_eq!(s.world().vehicle(s.vehicles("car")[0]).expect("car").input().steer, 1.0);
+}
+
+#[test]
+fn copies_have_numbers() {
+    let mut s = start(
+        r#""vehicles": [{"name": "taxi", "preset": "car", "repeat": {"count": [3, 1, 1], "step": [4, 0, 0]}}],
+        "characters": [{"name": "crowd", "position": [0, 0, 9], "repeat": {"count": [1, 1, 4], "step": [0, 0, 1]}}],
+        "ragdolls": [{"name": "doll", "preset": "human", "position": [0, 1, 20], "repeat": {"count": 2, "step": [2, 0, 0]}}],
+        "timeline": [{"at": 1, "drive": {"vehicle": "taxi[1]", "throttle": 1, "gear": 1}},
+                     {"at": 1, "walk": {"character": "crowd[3]", "velocity": [0, 0, 2]}}],
+        "probes": {"driven": {"vehicle": "taxi", "value": "speed", "aggregate": {"count_above": 1}},
+            "walking": {"character": "crowd", "value": "speed", "aggregate": {"count_above": 1}},
+            "heads": {"body": "doll.head", "value": "position.x", "aggregate": "spread"},
+            "all": {"body": "doll", "value": "mass", "aggregate": "sum"},
+            "gaps": {"joint": "doll.neck[1]", "value": "gap"}}"#,
+    );
+    assert_eq!(
+        (s.vehicles("taxi").len(), s.vehicles("taxi[2]").len(), s.vehicles("taxi[3]").len()),
+        (3, 1, 0)
+    );
+    assert_eq!((s.bodies("doll").len(), s.bodies("doll.head").len(), s.joints("doll").len()), (28, 2, 26));
+    assert_eq!(s.scene().bodies(), 1 + 3 + 4 + 28);
+    assert_eq!(s.scene().joints(), 26);
+    assert!((value(&s, "heads") - 2.0).abs() < 1e-6 && (value(&s, "all") - 2.0 * 137.17).abs() < 0.1);
+    run(&mut s, 3.0);
+    assert_eq!((value(&s, "driven"), value(&s, "walking")), (1.0, 1.0));
+    assert!(value(&s, "gaps") < 0.05);
+    // The names in the world are those of the file.
+    let name = |id| s.world().body(id).expect("alive").name().map(str::to_owned);
+    assert_eq!(name(s.bodies("doll.head[1]")[0]).as_deref(), Some("doll.head[1]"));
+}
+
+/// Two groups of copies do not share the group of bones that never meet.
+#[test]
+fn dolls_meet_each_other() {
+    let s = start(
+        r#""ragdolls": [{"name": "a", "preset": "human", "repeat": {"count": 2, "step": [3, 0, 0]}}, {"name": "b", "preset": "human"}]"#,
+    );
+    let group = |body: &str| {
+        let b = s.world().body(s.body(body).expect("a bone")).expect("alive");
+        let shape = b.shapes().next().expect("a shape");
+        s.world().shape(shape).expect("alive").filter().group
+    };
+    let all = [group("a.thigh_l[0]"), group("a.thigh_l[1]"), group("b.thigh_l")];
+    assert!(
+        all.iter().all(|g| *g < 0) && all[0] != all[1] && all[0] != all[2] && all[1] != all[2],
+        "{all:?}"
+    );
+    assert_eq!(group("a.thigh_l[0]"), group("a.spine_01[0]"));
+    assert_eq!(group("a.head[0]"), 0);
+}
+
+#[test]
+fn poses_are_struck_and_let_go() {
+    let rest = r#""gravity": [0, 0, 0], "ragdolls": [{"name": "doll", "preset": "human"}],
+        "timeline": [{"at": 0, "pose": {"ragdoll": "doll", "strength": 5, "bones": {"lower_arm_l": {"rotation_deg": [-25, 0, 0]}}}},
+                     {"at": 2, "relax": {"ragdoll": "doll"}}],
+        "probes": {"elbow": {"joint": "doll.lower_arm_l", "value": "coordinate_deg"}}"#;
+    let mut s = start(rest);
+    run(&mut s, 2.0);
+    let bent = value(&s, "elbow");
+    run(&mut s, 3.0);
+    // Bent while it is held, back at rest by its weak spring afterwards, but for its friction.
+    assert!(bent.abs() > 8.0 && value(&s, "elbow").abs() < bent.abs(), "{bent} {}", value(&s, "elbow"));
+}
+
+#[test]
+fn a_hand_holds_leads_and_lets_go() {
+    let mut s = start(
+        r#""vehicles": [{"name": "car", "preset": "car", "position": [0, 0, 30]}],
+        "characters": [{"name": "hero", "position": [5, 0, 0], "dynamic": {}}],
+        "timeline": [{"at": 0.5, "grab": {"body": "hero", "hand": "mouse", "point": [0, 1, 0], "spring": {"hertz": 6}}},
+                     {"at": 0.5, "move_to": {"body": "mouse", "position": [5, 3, 0], "duration": 1}},
+                     {"at": 2.5, "remove": {"body": "mouse"}}],
+        "probes": {"y": {"body": "hero", "value": "position.y"}, "joints": {"world": "joints"},
+            "vehicles": {"world": "vehicles"}, "characters": {"world": "characters"}}"#,
+    );
+    assert_eq!((value(&s, "vehicles"), value(&s, "characters")), (1.0, 1.0));
+    run(&mut s, 2.4);
+    assert_eq!(value(&s, "joints"), 1.0);
+    // Springs of 6 Hz stretch by g/ω² = 7 mm under it.
+    assert!((value(&s, "y") - 2.0).abs() < 0.1, "{}", value(&s, "y"));
+    run(&mut s, 2.0);
+    assert!(value(&s, "joints") == 0.0 && value(&s, "y") < 0.1, "{}", value(&s, "y"));
+    assert!(s.body("mouse").is_none_or(|b| s.world().body(b).is_err()));
+}
+
+#[test]
+fn a_preset_on_a_body_of_the_scene() {
+    let text = r#"{"jounce": 1, "bodies": [
+        {"name": "ground", "type": "fixed", "shapes": [{"half_space": {"normal": [0, 1, 0]}}]},
+        {"name": "van", "type": "dynamic", "position": [0, 0, 0], "shapes": [
+            {"box": {"half": [0.9, 0.7, 2.2]}, "position": [0, 1.1, 0], "mass": 1300}]}],
+        "vehicles": [{"name": "delivery", "preset": "car", "body": "van", "traction": {"enabled": false}}],
+        "probes": {"n": {"vehicle": "delivery", "value": "load", "aggregate": "sum"}}}"#;
+    let scene = Scene::from_str(text, "van.json", &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mut s = Simulation::new(&scene, Tasks::serial()).expect("starts");
+    run(&mut s, 4.0);
+    assert!((value(&s, "n") - 1300.0 * 9.81).abs() < 130.0, "{}", value(&s, "n"));
+    assert!(s.world().vehicle(s.vehicles("delivery")[0]).expect("alive").desc().traction.is_none());
+}
+
+/// A preset's as the scene is read, those on a body of the scene as it starts.
+#[test]
+fn wheels_heavier_than_the_whole_are_refused() {
+    let told = scene(r#""vehicles": [{"name": "car", "preset": "car", "wheel": {"mass": 400}}]"#)
+        .expect_err("refused");
+    assert!(told.contains("vehicles[0].wheel: have 1600 kg") && told.contains("0.9"), "{told}");
+    let text = r#"{"jounce": 1, "bodies": [{"name": "b", "type": "dynamic", "shapes": [{"sphere": {"radius": 0.1}}]}],
+        "vehicles": [{"body": "b", "preset": "car"}]}"#;
+    let scene =
+        Scene::from_str(text, "light.json", &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let Err(told) = Simulation::new(&scene, Tasks::serial()) else { panic!("accepted") };
+    assert!(told.to_string().contains("0.9 of the chassis"), "{told}");
+}
+
+/// The same bits from a clone as from the original, drivers and hands included.
+#[test]
+fn clones_drive_on() {
+    let mut s = start(
+        r#""vehicles": [{"name": "car", "preset": "car", "route": {"points": [[0, 0, 0], [0, 0, 40], [40, 0, 40]], "speed": 8, "closed": true}}],
+        "ragdolls": [{"name": "doll", "preset": "human", "position": [10, 0.2, 0]}],
+        "timeline": [{"at": 0.5, "grab": {"body": "doll.head", "hand": "mouse"}},
+                     {"at": 0.5, "move_to": {"body": "mouse", "position": [12, 2, 0], "duration": 4}}]"#,
+    );
+    run(&mut s, 2.0);
+    let mut twin = s.clone();
+    for _ in 0..120 {
+        s.step().expect("steps");
+        twin.step().expect("steps");
+        assert_eq!(s.world().hash(), twin.world().hash());
+    }
+}
