@@ -62,6 +62,28 @@ fn world() -> World {
         let v = kit.add(&mut world, [100.0, -6.0, z], Quat::IDENTITY).expect("valid");
         world.set_vehicle_input(v, VehicleInput::drive(0.2, 1.0)).expect("valid");
     }
+    // A chain with ends, friction and a motor on a turning body, and a ragdoll that is dragged through the heap.
+    let crank = world
+        .add_body(BodyDesc::kinematic().at([12.0, 0.0, 0.0]).angular_velocity([0.0, 0.0, 2.0]))
+        .expect("valid");
+    let links: Vec<BodyId> = (0..6)
+        .map(|i| {
+            let at = [12.5 + 0.5 * f64::from(i), 0.0, 0.0];
+            world
+                .add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid([0.2, 0.05, 0.05])))
+                .expect("valid")
+        })
+        .collect();
+    for (i, &b) in links.iter().enumerate() {
+        let (a, at) = (if i == 0 { crank } else { links[i - 1] }, [12.25 + 0.5 * i as f64, 0.0, 0.0]);
+        let j = JointDesc::hinge(a, b, at, Vec3::Z).limited(-1.0, 1.0);
+        let j = if i == 2 { j.motor(jounce::MotorDesc::velocity(0.5, 1.0)) } else { j };
+        world.add_joint(j).expect("valid");
+    }
+    let doll = world.add_ragdoll(&jounce::RagdollDesc::human().at([0.0, -5.0, 3.0])).expect("valid");
+    let head = *doll.bodies.last().expect("bones");
+    let at = world.body(head).expect("alive").center_of_mass();
+    world.grab(head, at, jounce::SpringDesc::hertz(4.0, 1.0), 3000.0).expect("valid");
     let mut add = |d| world.add_body(d).expect("valid");
     let mut drum = BodyDesc::kinematic().angular_velocity([0.0, 0.0, 1.0]);
     for k in 0..8 {

@@ -829,3 +829,52 @@ fn a_motor_is_not_outrun_by_friction() {
         );
     }
 }
+
+/// How far a joint parts is told for every kind that holds a point.
+#[test]
+fn gaps_are_told_for_every_kind() {
+    let off = [0.03, -0.04, 0.0];
+    let gap = |kind: JointKind| {
+        let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+        let wall = anchor(&mut w);
+        let b = ball(&mut w, [1.0, 0.0, 0.0], 0.1, 1.0);
+        let j = w.add_joint(JointDesc::ball(wall, b, [1.0, 0.0, 0.0]).kind(kind)).unwrap();
+        assert!(w.joint(j).unwrap().gap() < 1e-6);
+        w.teleport(b, DVec3::new(1.0 + off[0], off[1], off[2]), Quat::IDENTITY).unwrap();
+        w.joint(j).unwrap().gap()
+    };
+    let near = |got: f32, want: f32| assert!((got - want).abs() < 1e-5, "{got} for {want}");
+    let (free, locked) = (jounce::AxisDesc::FREE, jounce::AxisDesc::LOCKED);
+    near(gap(JointKind::Fixed), 0.05);
+    near(gap(JointKind::Slider(free)), 0.04);
+    near(gap(JointKind::Generic { linear: [locked, free, locked], angular: [free; 3] }), 0.03);
+    near(gap(JointKind::Generic { linear: [locked; 3], angular: [free; 3] }), 0.05);
+    near(gap(JointKind::Wheel { suspension: free, spin: free, steer: locked }), 0.03);
+    near(gap(JointKind::Wheel { suspension: locked, spin: free, steer: locked }), 0.05);
+}
+
+/// A gear keeps its joints; by a new ratio it stands right where it stands.
+#[test]
+fn gears_change_their_ratio_and_nothing_else() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let wall = anchor(&mut w);
+    let wheels = [0.0, 1.0, 2.0].map(|x| rod_body(&mut w, [x, 0.0, 0.0], [0.2, 0.2, 0.05], 1.0));
+    let hinges = [0, 1, 2]
+        .map(|i| w.add_joint(JointDesc::hinge(wall, wheels[i], [i as f64, 0.0, 0.0], Vec3::Z)).unwrap());
+    let gear = w.add_joint(JointDesc::gear(hinges[0], hinges[1], 2.0)).unwrap();
+    w.set_angular_velocity(wheels[0], Vec3::Z).unwrap();
+    run(&mut w, 1.0);
+    let spin = |w: &World, i: usize| w.body(wheels[i]).unwrap().angular_velocity().z;
+    assert!((spin(&w, 0) + 2.0 * spin(&w, 1)).abs() < 1e-4, "{} {}", spin(&w, 0), spin(&w, 1));
+    let e = w.set_joint(gear, JointKind::Gear { a: hinges[0], b: hinges[2], ratio: 1.0 }).unwrap_err();
+    assert!(e.to_string().contains("the joint that it has"), "{e}");
+    let before = w.joint(hinges[0]).unwrap().coordinate();
+    w.set_joint(gear, JointKind::Gear { a: hinges[0], b: hinges[1], ratio: -1.0 }).unwrap();
+    run(&mut w, 1.0);
+    assert!((spin(&w, 0) - spin(&w, 1)).abs() < 1e-4, "{} {}", spin(&w, 0), spin(&w, 1));
+    // It did not jump to where the new ratio would have had it from the start.
+    assert!((w.joint(hinges[0]).unwrap().coordinate() - before).abs() < 1.0);
+    // With a joint, its gears go.
+    w.remove_joint(hinges[1]).unwrap();
+    assert!(w.joint(gear).is_err() && w.joint(hinges[0]).is_ok());
+}

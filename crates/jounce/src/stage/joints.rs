@@ -20,6 +20,7 @@ pub(crate) struct JointScratch {
     made_of: Vec<u64>,
     version: u64,
     broke: Vec<(u32, f32, f32)>,
+    wakes: Vec<u32>,
 }
 
 /// Once per step: the sets, and where everything stands.
@@ -350,7 +351,8 @@ pub(crate) fn stir(world: &mut World) {
     if world.joints.is_empty() {
         return;
     }
-    let mut wakes = Vec::new();
+    let mut wakes = core::mem::take(&mut world.scratch.joints.wakes);
+    wakes.clear();
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
         if b.kind != BodyKind::Kinematic || (s.v() == Vec3::ZERO && s.w() == Vec3::ZERO) {
             continue;
@@ -362,7 +364,8 @@ pub(crate) fn stir(world: &mut World) {
             }
         }
     }
-    for slot in wakes {
+    for &slot in &wakes {
         world.wake_body(slot);
     }
+    world.scratch.joints.wakes = wakes;
 }

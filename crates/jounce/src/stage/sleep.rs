@@ -30,7 +30,8 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             parent[hi as usize] = lo;
         }
     }
-    for (_, j) in world.joints.table.iter().filter(|(_, j)| j.acts()) {
+    let awake = world.awake.step.iter().flat_map(|b| &world.bodies[b.body].joints);
+    for j in awake.map(|&id| &world.joints.table[id]).filter(|j| j.acts()) {
         let (a, b) = (dynamic_row(world, j.body_a), dynamic_row(world, j.body_b));
         if a != NONE && b != NONE {
             let (a, b) = (root(&mut parent, a), root(&mut parent, b));

@@ -3,6 +3,7 @@
 use super::desc::{JointDesc, JointFrames, JointKind, check_kind};
 use super::path::Curve;
 use super::rows::{Ends, Start};
+use super::set;
 use super::state::Joint;
 use crate::error::{Error, Result, check};
 use crate::event::Event;
@@ -163,8 +164,15 @@ impl World {
         }
         let id = self.joint_id(slot);
         let on = |k: &JointKind| matches!(k, JointKind::Gear { a, b, .. } if *a == id || *b == id);
-        let gears: Vec<u32> =
-            self.joints.table.iter().filter(|(_, j)| on(&j.desc.kind)).map(|(i, _)| i).collect();
+        let j = &self.joints.table[slot];
+        // A gear is in the list of the body that each of its joints moves.
+        let lists = [j.body_a, j.body_b].into_iter().filter_map(|s| self.bodies.get(s));
+        let mut gears: Vec<u32> = lists
+            .flat_map(|b| b.joints.iter().copied())
+            .filter(|&i| on(&self.joints.table[i].desc.kind))
+            .collect();
+        gears.sort_unstable();
+        gears.dedup();
         for g in gears {
             self.drop_joint(g);
         }
@@ -193,6 +201,11 @@ impl World {
             "the kind that the joint has (remove it and add another)",
         )?;
         let _ = self.geared(&kind)?;
+        if let (JointKind::Gear { a, b, .. }, JointKind::Gear { a: c, b: d, .. }) = (now, &kind) {
+            check(a == c, "gear", "a", c, "the joint that it has (remove it and add another)")?;
+            check(b == d, "gear", "b", d, "the joint that it has (remove it and add another)")?;
+        }
+        let same_rows = set::counts(now) == set::counts(&kind) && !matches!(kind, JointKind::Gear { .. });
         self.wake_ends(slot);
         let j = &mut self.joints.table[slot];
         if let JointKind::Path(p) = &kind {
@@ -207,7 +220,15 @@ impl World {
             *l = (*l).or(length);
         }
         j.extra.clear();
-        self.joints.version += 1;
+        if matches!(j.desc.kind, JointKind::Gear { .. } | JointKind::Path(_)) {
+            // Where it stands by the new ratio or curve is right.
+            let mut joint = j.clone();
+            self.first_coordinate(&mut joint);
+            self.joints.table[slot].coordinate = joint.coordinate;
+        }
+        if !same_rows {
+            self.joints.version += 1;
+        }
         Ok(())
     }
 

@@ -1143,6 +1143,11 @@ fn extra_count(kind: &JointKind) -> usize {
     }
 }
 
+/// Rows that a kind holds, and its ends, motors, springs and friction: while they stay, so does the set's matrix.
+pub(crate) fn counts(kind: &JointKind) -> [usize; 2] {
+    [row_count(kind), extra_count(kind)]
+}
+
 /// Rows that a kind holds.
 fn row_count(kind: &JointKind) -> usize {
     match kind {

@@ -5,7 +5,7 @@ use super::state::Joint;
 use crate::error::Result;
 use crate::handle::{BodyId, JointId};
 use crate::world::World;
-use jounce_math::{DVec3, Vec3, WorldPose};
+use jounce_math::{DVec3, Vec3, WorldPose, scalar::f32s};
 
 /// A joint, to be read.
 #[derive(Clone, Copy)]
@@ -84,7 +84,8 @@ impl<'a> JointRef<'a> {
         let frame = self.frame_a();
         curve.points().map(|p| frame.transform_point(p)).collect()
     }
-    /// How far the joint is from holding, m: the part of the anchors' distance that it should keep at zero.
+    /// How far the joint is from holding, m: the part of the anchors' distance that it should keep at zero, or by which a rope is too
+    /// long. Springs and gears have none.
     pub fn gap(&self) -> f32 {
         let e = self.world.ends(self.joint);
         let x = e.along(e.axis_a(0)).c;
@@ -101,7 +102,24 @@ impl<'a> JointRef<'a> {
                     0.0
                 }
             }
-            _ => 0.0,
+            JointKind::Generic { linear, .. } => {
+                let locked = |i: usize| if linear[i].locked { e.along(e.axis_a(i)).c } else { 0.0 };
+                Vec3::new(locked(0), locked(1), locked(2)).length()
+            }
+            JointKind::Wheel { suspension, .. } => {
+                let y = if suspension.locked { e.along(e.axis_a(1)).c } else { 0.0 };
+                Vec3::new(x, y, e.along(e.axis_a(2)).c).length()
+            }
+            JointKind::Path(_) => self.joint.curve.as_ref().map_or(0.0, |curve| {
+                let slid = super::path::slide(curve, &e, &mut { self.joint.coordinate });
+                [1, 2].map(|i| slid.along(slid.axis_a(i)).c).iter().map(|c| c * c).sum::<f32>().sqrt()
+            }),
+            JointKind::Pulley { wheel_a, wheel_b, ratio, length } => {
+                let [a, b] = self.anchors();
+                let rope = (a - *wheel_a).length() + f64::from(*ratio) * (b - *wheel_b).length();
+                f32s::max((rope - f64::from(length.unwrap_or(0.0))) as f32, 0.0)
+            }
+            JointKind::Spring { .. } | JointKind::Gear { .. } => 0.0,
         }
     }
 }
