@@ -878,3 +878,40 @@ fn gears_change_their_ratio_and_nothing_else() {
     w.remove_joint(hinges[1]).unwrap();
     assert!(w.joint(gear).is_err() && w.joint(hinges[0]).is_ok());
 }
+
+/// Hinges all round hold the planks' axes twice over. The force on the bank is yet the catenary's, and none is across.
+#[test]
+fn a_loop_of_hinges_tells_its_true_forces() {
+    let (n, mass, half) = (20, 50.0_f32, 0.5_f64);
+    let mut w = world();
+    let banks = anchor(&mut w);
+    let phi = (18.0_f64 / f64::from(n)).acos();
+    let (sin, cos) = (f64s::sin(phi), f64s::cos(phi));
+    let at = |k: i32| DVec3::new(f64::from(k) * cos - 9.0, -f64::from(k.min(n - k)) * sin, 0.0);
+    let mut last = banks;
+    let mut joints = Vec::new();
+    for k in 0..n {
+        let turn = Quat::from_axis_angle(Vec3::Z, if k < n / 2 { -phi } else { phi } as f32);
+        let mut d = BodyDesc::dynamic().at((at(k) + at(k + 1)) * half).rotated(turn);
+        (d.linear_damping, d.angular_damping) = (0.4, 0.4);
+        let plank = w.add_body(d.shape(ShapeDesc::cuboid([0.47, 0.04, 0.7]).mass(mass))).unwrap();
+        joints.push(w.add_joint(JointDesc::hinge(last, plank, at(k), Vec3::Z)).unwrap());
+        last = plank;
+    }
+    joints.push(w.add_joint(JointDesc::hinge(last, banks, at(n), Vec3::Z)).unwrap());
+    run(&mut w, 30.0);
+    let weight = f64::from(n) * f64::from(mass) * 9.81;
+    let (mut up, mut across, mut moment) = (0.0, 0.0_f32, 0.0_f32);
+    for (i, &j) in joints.iter().enumerate() {
+        let r = w.joint(j).unwrap();
+        if i == 0 || i == n as usize {
+            up += f64::from(r.force().y).abs();
+        }
+        across = f32s::max(across, r.force().z.abs());
+        moment = f32s::max(moment, r.torque().length());
+    }
+    let pull = w.joint(joints[0]).unwrap().force().length();
+    println!("up {up:.1} N for {weight:.1}, across {across:.2} N, moments {moment:.2} N m, pull {pull:.1} N");
+    assert!((up / weight - 1.0).abs() < 0.01, "{up} for {weight}");
+    assert!(across < 0.01 * weight as f32 && moment < 0.01 * weight as f32, "{across} N, {moment} N m");
+}

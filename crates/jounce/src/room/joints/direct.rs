@@ -49,6 +49,7 @@ pub(crate) struct Plan {
     targets: Vec<u32>,
     /// Closes a loop, by position.
     closes: Vec<bool>,
+    loops: bool,
     floats: usize,
     rows: usize,
 }
@@ -98,6 +99,7 @@ impl Plan {
         }
         let mut plan = Self {
             sizes: order.iter().map(|&i| links[i as usize].0).collect(),
+            loops: closes.contains(&true),
             closes: order.iter().map(|&i| closes[i as usize]).collect(),
             position,
             order,
@@ -224,6 +226,14 @@ impl Plan {
                 }
             }
         }
+    }
+    /// Does any joint close a loop?
+    pub fn has_loops(&self) -> bool {
+        self.loops
+    }
+    /// Do others hold together what this joint holds together?
+    pub fn closes_loop(&self, joint: usize) -> bool {
+        self.closes[self.position[joint] as usize]
     }
     /// Sets the right side of a row.
     pub fn set(&self, n: &mut Numbers, joint: usize, row: usize, value: f64) {

@@ -761,7 +761,16 @@ impl JointSet {
                     if first { ga * row.c + gb * v } else { 0.0 }
                 } else {
                     // Errors that a teleport left are taken back at a bounded speed.
-                    (ahead.rows[c].c - (row.c - limited(row.c, k.correct * k.h))) / k.h
+                    let error = limited(row.c, k.correct * k.h);
+                    let bend = ahead.rows[c].c - row.c - v * k.h;
+                    if plan.has_loops() {
+                        // Rows that say again what others say would fight about rounding for ever.
+                        let most = if plan.closes_loop(i) { LOOP_SLACK } else { ROUNDING };
+                        let slack = limited(error, most) + limited(bend, most);
+                        v + (error + bend - slack) / k.h
+                    } else {
+                        (ahead.rows[c].c - (row.c - error)) / k.h
+                    }
                 };
                 plan.set(&mut self.numbers, i, r, -f64::from(value));
             }
@@ -1107,6 +1116,10 @@ const ROUNDS: usize = 16;
 /// Of these, those that let motors and friction act again, and those that let ends.
 const ROUNDS_OF_MOTORS: usize = 2;
 const ROUNDS_OF_ENDS: usize = 8;
+/// The same of the others of its set.
+const ROUNDING: f32 = 1e-6;
+/// Error of a joint that closes a loop, and bend within a substep, which are let be, m or rad: rounding of f32 at some 10 m.
+const LOOP_SLACK: f32 = 1e-5;
 /// Newton's steps that bring bodies together again.
 const PLACINGS: usize = 4;
 /// How far beyond an end counts, m or rad.
