@@ -3,7 +3,7 @@
 use super::desc::{JointDesc, JointFrames, JointKind, check_kind};
 use super::path::Curve;
 use super::rows::{Ends, Start};
-use super::set;
+use super::solve;
 use super::state::Joint;
 use crate::error::{Error, Result, check};
 use crate::event::Event;
@@ -205,7 +205,7 @@ impl World {
             check(a == c, "gear", "a", c, "the joint that it has (remove it and add another)")?;
             check(b == d, "gear", "b", d, "the joint that it has (remove it and add another)")?;
         }
-        let same_rows = set::counts(now) == set::counts(&kind) && !matches!(kind, JointKind::Gear { .. });
+        let same_rows = solve::counts(now) == solve::counts(&kind) && !matches!(kind, JointKind::Gear { .. });
         self.wake_ends(slot);
         let j = &mut self.joints.table[slot];
         if let JointKind::Path(p) = &kind {

@@ -13,7 +13,8 @@
 
 use super::desc::{AxisDesc, LimitDesc, MotorTarget, SpringDesc};
 use super::rows::Row;
-use super::set::{Constants, TOUCH};
+use super::set::Constants;
+use super::solve::TOUCH;
 use jounce_math::{Vec3, scalar::f32s};
 
 /// What a row is for.

@@ -10,6 +10,7 @@
 //!
 //! Sources: Baraff 1996 (direct); Andersen 1983 (RATTLE); Catto, GDC 2009 and 2011, Solver2D 2024 (soft step, relax).
 
+pub(crate) mod active;
 pub(crate) mod ball;
 pub mod desc;
 pub(crate) mod direct;
@@ -20,11 +21,14 @@ pub(crate) mod fixed;
 pub(crate) mod generic;
 pub mod glue;
 pub(crate) mod hinge;
+pub(crate) mod local;
 pub(crate) mod path;
 pub(crate) mod pulley;
 pub(crate) mod rows;
 pub(crate) mod set;
 pub(crate) mod slider;
+pub(crate) mod solve;
 pub(crate) mod state;
+pub(crate) mod stiff;
 pub mod view;
 pub(crate) mod wheel;

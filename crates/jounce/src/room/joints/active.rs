@@ -1,0 +1,250 @@
+//! Which rows hold: the active set of a pass.
+//!
+//! Ends push, ropes pull, motors and friction give what they can: A λ = r with bounds, a linear complementarity problem. Rows beyond
+//! their bounds are held there and left out, those that would have to act again are let in, until nothing changes (block pivoting:
+//! Júdice & Pires, A block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, 1994).
+//! Motors and friction may come back in the first rounds alone, ends in the first half: so it ends.
+
+use super::desc::LimitDesc;
+use super::extra::gains;
+use super::extra::{Duty, Sweep};
+use super::local::add;
+use super::rows::Hard;
+use super::set::{Constants, JointSet};
+use super::solve::{HARD, TOUCH, give_extra, limited};
+use super::state::Joints;
+
+/// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
+const TAUT_SPEED: f32 = 0.1;
+/// Rounds of the active set.
+const ROUNDS: usize = 16;
+/// Of these, those that let motors and friction act again, and those that let ends.
+const ROUNDS_OF_MOTORS: usize = 2;
+const ROUNDS_OF_ENDS: usize = 8;
+/// The same of the others of its set.
+const ROUNDING: f32 = 1e-6;
+/// Error of a joint that closes a loop, and bend within a substep, which are let be, m or rad: rounding of f32 at some 10 m.
+const LOOP_SLACK: f32 = 1e-5;
+/// Stands for all ends.
+const ENDS: Duty = Duty::Limit(LimitDesc::new(0.0, 0.0));
+
+impl JointSet {
+    /// Which rows take part at the start of a pass.
+    fn activate(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
+        for s in &mut self.joints {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            match sweep {
+                // A rope that held stays a candidate, though the velocities do not yet stretch it: in a cable they are those of
+                // free fall, alike at both its ends. The sign of its own pull lets it go.
+                Sweep::Solve => {
+                    let held =
+                        (s.active && s.sign * s.hard.rows[0].c < TAUT_SPEED * k.h) || s.lambda[0] != 0.0;
+                    s.active = true;
+                    if s.sign != 0.0 && !held {
+                        let ahead = s.ahead(&joints.table[s.id], a, b, k);
+                        s.active = s.sign * ahead.rows[0].c < 0.0;
+                    }
+                }
+                Sweep::Relax => s.active &= s.soft.is_none(),
+                Sweep::Place => {
+                    s.active = s.soft.is_none() && (s.sign == 0.0 || s.sign * s.hard.rows[0].c < 0.0);
+                }
+            }
+            for i in 0..s.extra.len() {
+                let taken = i < s.taken();
+                let x = &mut s.extra[i];
+                let v = x.row.speed(a, b);
+                x.acts = taken
+                    && x.mass > 0.0
+                    && match x.duty {
+                        Duty::Speed { .. } => match sweep {
+                            Sweep::Solve => !x.gives_all(k.h),
+                            Sweep::Relax => x.acts,
+                            Sweep::Place => false,
+                        },
+                        Duty::Spring { .. } | Duty::Limit(LimitDesc { spring: Some(_), .. }) => false,
+                        Duty::Limit(l) => match sweep {
+                            Sweep::Relax => {
+                                l.holds_still() || x.impulse != 0.0 || x.gap() + k.h * x.away(v) < 0.0
+                            }
+                            _ => {
+                                let pushed = x.impulse != 0.0 || (x.acts && x.gap() < TAUT_SPEED * k.h);
+                                l.holds_still() || pushed || x.must_act(v, k, sweep)
+                            }
+                        },
+                    };
+            }
+        }
+    }
+
+    /// Right sides for the present velocities: −C(t + h)/h to solve, −J u to relax.
+    fn residuals(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+        let Some(plan) = &self.plan else { return };
+        for (i, s) in self.joints.iter().enumerate() {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            let ahead = if sweep != Sweep::Relax && s.soft.is_none() && s.count > 0 {
+                s.ahead(&joints.table[s.id], a, b, k)
+            } else {
+                Hard::default()
+            };
+            for (r, &code) in s.packed[..s.count].iter().enumerate() {
+                let row = s.row(code);
+                let v = row.speed(a, b);
+                let c = usize::from(code);
+                let value = if c >= HARD {
+                    s.extra[c - HARD].wanted(v, k, sweep)
+                } else if s.yields(c) {
+                    v + s.give_way[c] * s.lambda[c]
+                } else if sweep == Sweep::Relax {
+                    v
+                } else if let Some(spring) = s.soft {
+                    let inv = s.meets_itself(c, c, &self.bodies[s.a], &self.bodies[s.b]);
+                    let mass = if inv > 0.0 { (1.0 / inv) as f32 } else { 0.0 };
+                    let (ga, gb) = gains(&spring, mass, k.h);
+                    // Once per substep.
+                    if first { ga * row.c + gb * v } else { 0.0 }
+                } else {
+                    // Errors that a teleport left are taken back at a bounded speed.
+                    let error = limited(row.c, k.correct * k.h);
+                    let bend = ahead.rows[c].c - row.c - v * k.h;
+                    if plan.has_loops() {
+                        // Rows that say again what others say would fight about rounding for ever.
+                        let most = if plan.closes_loop(i) { LOOP_SLACK } else { ROUNDING };
+                        let slack = limited(error, most) + limited(bend, most);
+                        v + (error + bend - slack) / k.h
+                    } else {
+                        (ahead.rows[c].c - (row.c - error)) / k.h
+                    }
+                };
+                plan.set(&mut self.numbers, i, r, -f64::from(value));
+            }
+        }
+    }
+
+    /// Active set. Each round starts from the same velocities: rows that hold are solved for and handed out on trial; rows beyond
+    /// what they can give stay at that, those that would have to act again do; until nothing changes. Errors ahead are not linear
+    /// in the velocities, so those that a rejected trial leads to are never looked at.
+    pub(super) fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+        if sweep != Sweep::Relax {
+            self.joints.iter_mut().for_each(|s| s.bend(&joints.table[s.id], &self.bodies, k));
+        }
+        self.activate(joints, k, sweep);
+        self.mark();
+        for round in 1..=ROUNDS {
+            self.joints.iter_mut().for_each(|s| s.pack(sweep));
+            self.residuals(joints, k, sweep, first);
+            self.factor();
+            let Some(plan) = &self.plan else { return };
+            plan.solve(&mut self.numbers);
+            self.hand_out();
+            if round == ROUNDS || !self.correct(joints, k, sweep, round) {
+                return;
+            }
+            self.rewind();
+        }
+    }
+
+    /// Remembers where the rounds start from.
+    fn mark(&mut self) {
+        self.bodies.iter_mut().for_each(|b| b.before = [b.m.v, b.m.w]);
+        for s in &mut self.joints {
+            s.before = s.lambda;
+            s.extra.iter_mut().for_each(|x| x.before = x.impulse);
+        }
+    }
+
+    /// Back to where the rounds started from, but for the rows that are held at what they can give.
+    fn rewind(&mut self) {
+        let bodies = &mut self.bodies;
+        bodies.iter_mut().for_each(|b| [b.m.v, b.m.w] = b.before);
+        for s in &mut self.joints {
+            if s.active || s.sign == 0.0 {
+                s.lambda = s.before;
+            } else {
+                s.lambda[1..].copy_from_slice(&s.before[1..]);
+                s.give(bodies, 0, s.lambda[0] - s.before[0]);
+            }
+            for x in &mut s.extra {
+                if x.acts {
+                    x.impulse = x.before;
+                } else {
+                    give_extra(x, bodies, s.a, s.b, x.impulse - x.before);
+                }
+            }
+        }
+    }
+
+    /// Holds rows back at what they can give, or lets rows act again; true where that changes anything. Motors and friction go first:
+    /// while one that is too weak stands in, an end beside it seems to pull. The last rounds let no motor in, so that they end.
+    fn correct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, round: usize) -> bool {
+        self.hold_back(k, |d| matches!(d, Duty::Speed { .. }))
+            || self.hold_back(k, |d| matches!(d, Duty::Limit(_)))
+            || (round <= ROUNDS_OF_ENDS && self.let_in(joints, k, sweep, round <= ROUNDS_OF_MOTORS))
+    }
+
+    fn hold_back(&mut self, k: &Constants, which: impl Fn(&Duty) -> bool) -> bool {
+        let mut changed = false;
+        for s in &mut self.joints {
+            for x in s.extra.iter_mut().filter(|x| x.acts && which(&x.duty)) {
+                let allowed = x.allowed(x.impulse, k.h);
+                if allowed != x.impulse {
+                    (x.impulse, x.acts, changed) = (allowed, false, true);
+                }
+            }
+            // Ropes pull and struts push, like ends.
+            if which(&ENDS) && s.active && s.sign * s.lambda[0] < 0.0 {
+                (s.lambda[0], s.active, changed) = (0.0, false, true);
+            }
+        }
+        changed
+    }
+
+    fn let_in(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, motors: bool) -> bool {
+        let mut changed = false;
+        for s in &mut self.joints {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            let taken = s.taken();
+            for x in s.extra[..taken]
+                .iter_mut()
+                .filter(|x| !x.acts && x.mass > 0.0 && x.may_hold() && (motors || x.is_hard_end()))
+            {
+                x.acts = x.must_act(x.row.speed(a, b), k, sweep);
+                changed |= x.acts;
+            }
+            if s.sign != 0.0 && !s.active && s.soft.is_none() && sweep != Sweep::Relax {
+                s.active = s.sign * s.ahead(&joints.table[s.id], a, b, k).rows[0].c < -TOUCH;
+                changed |= s.active;
+            }
+        }
+        changed
+    }
+
+    fn hand_out(&mut self) {
+        let Some(plan) = &self.plan else { return };
+        self.bodies.iter_mut().for_each(|b| b.dv = [0.0; 6]);
+        for (i, s) in self.joints.iter_mut().enumerate() {
+            for r in 0..s.count {
+                let code = s.packed[r];
+                let lambda = plan.get(&self.numbers, i, r);
+                let (la, _, ia) = s.end(code, true);
+                let (lb, _, ib) = s.end(code, false);
+                add(&mut self.bodies[s.a], la, ia, lambda);
+                add(&mut self.bodies[s.b], lb, ib, lambda);
+                let c = usize::from(code);
+                if c < HARD {
+                    s.lambda[c] += lambda as f32;
+                } else {
+                    let x = &mut s.extra[c - HARD];
+                    x.impulse = (f64::from(x.impulse) + lambda) as f32;
+                }
+            }
+        }
+        for b in &mut self.bodies {
+            let m = &mut b.m;
+            for i in 0..3 {
+                m.v[i] = (f64::from(m.v[i]) + b.dv[i]) as f32;
+                m.w[i] = (f64::from(m.w[i]) + b.dv[i + 3]) as f32;
+            }
+        }
+    }
+}
