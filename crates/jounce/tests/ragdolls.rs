@@ -6,6 +6,7 @@ use jounce::geometry::HeightField;
 use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
 use jounce::{BoneJointKind, BonePose, PoseDrive, Ragdoll, RagdollDesc, blend_poses};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 fn world() -> World {
@@ -241,7 +242,7 @@ fn dragged_by_a_limb_its_joints_hold() {
             let t = f64::from(i) / 60.0;
             // Up, and round in circles of 1 m, once a second.
             let up = f64s::min(2.5 * t, 2.5);
-            let round = DVec3::new(f64s::cos(6.28 * t) - 1.0, up, f64s::sin(6.28 * t));
+            let round = DVec3::new(f64s::cos(TAU * t) - 1.0, up, f64s::sin(TAU * t));
             w.drag(hand, start + round).unwrap();
             w.step().unwrap();
             let (g, e) = worst(&w, &doll);

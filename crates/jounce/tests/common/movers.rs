@@ -2,6 +2,7 @@
 
 use super::rng::Rng;
 use super::storm::Storm;
+use jounce::math::scalar::f32s;
 use jounce::prelude::*;
 use jounce::vehicles::{VehicleKit, car, carry, motorcycle, off_road, snowboard, sports_car, tank};
 use jounce::{
@@ -165,11 +166,11 @@ fn vehicle(storm: &Storm, rng: &mut Rng) -> Option<VehicleDesc> {
             w.radius = s * rng.float(0.2, 1.0);
             w.width = s * rng.float(0.05, 0.5);
             (w.bump, w.droop) = (s * rng.float(0.0, 0.5), s * rng.float(0.0, 0.5));
-            w.mass = (mass * rng.float(0.001, 0.3)).clamp(0.01, 1e6);
-            w.inertia = (w.mass * w.radius * w.radius).clamp(1e-5, 1e9);
+            w.mass = f32s::clamp(mass * rng.float(0.001, 0.3), 0.01, 1e6);
+            w.inertia = f32s::clamp(w.mass * w.radius * w.radius, 1e-5, 1e9);
             w.stiffness = load / (s * rng.float(0.05, 1.0));
-            w.tyre.radial_stiffness = (load / (s * rng.float(0.01, 0.2))).clamp(1.0, 1e10);
-            w.tyre.nominal_load = load.clamp(1e-3, 1e9);
+            w.tyre.radial_stiffness = f32s::clamp(load / (s * rng.float(0.01, 0.2)), 1.0, 1e10);
+            w.tyre.nominal_load = f32s::clamp(load, 1e-3, 1e9);
             w.steer = rng.float(-0.7, 0.7);
             w.brake = load * s;
             w.cast = *rng.pick(&[WheelCast::Cylinder, WheelCast::Sphere, WheelCast::Ray]);
