@@ -915,3 +915,23 @@ fn a_loop_of_hinges_tells_its_true_forces() {
     assert!((up / weight - 1.0).abs() < 0.01, "{up} for {weight}");
     assert!(across < 0.01 * weight as f32 && moment < 0.01 * weight as f32, "{across} N, {moment} N m");
 }
+
+/// A stiff spring on a light body carries the heavy one that hangs on it: it stretches by m g/k.
+#[test]
+fn a_stiff_spring_carries_what_hangs_on_a_light_limb() {
+    let mut w = world();
+    let hook = anchor(&mut w);
+    let (k, c) = (30_000.0, 300.0);
+    let limb = ball(&mut w, [0.0, -1.0, 0.0], 0.05, 0.5);
+    let body = ball(&mut w, [0.0, -2.0, 0.0], 0.3, 80.0);
+    w.add_joint(JointDesc::spring(hook, limb, [0.0; 3], [0.0, -1.0, 0.0], SpringDesc::newton(k, c))).unwrap();
+    w.add_joint(JointDesc::ball(limb, body, [0.0, -1.0, 0.0])).unwrap();
+    // It would sleep before the last of the swing is gone.
+    for b in [limb, body] {
+        w.apply(jounce::Command::SetCanSleep(b, false)).map(drop).unwrap();
+    }
+    run(&mut w, 20.0);
+    let sag = -1.0 - w.body(limb).unwrap().position().y;
+    let want = 80.5 * 9.81 / f64::from(k);
+    assert!((sag / want - 1.0).abs() < 0.005, "{sag} m for {want}");
+}

@@ -188,6 +188,8 @@ fn constants(world: &World, step: &Step) -> Constants {
         soft: Softness::new(hertz, s.joint_damping_ratio, k.h),
         push_out: k.push_out_speed,
         correct: 10.0 * s.length_unit,
+        speed_max: s.linear_speed_max * s.length_unit,
+        spin_max: 2.0 * core::f32::consts::PI / k.h,
     }
 }
 
@@ -320,15 +322,20 @@ pub(crate) fn follow(world: &mut World, stopped: &[(u32, f32)]) {
             let f = &shared.frames[b.slot as usize];
             b.m.dp = (f.center - f.center0).as_vec3();
             b.m.dq = (f.rotation * f.rotation0.conjugate()).normalize();
+            // Who was put in quarantine has lost his row.
+            b.row = f.row;
             let part = if stopped.iter().any(|s| s.0 == b.slot) { STOPPED_PART } else { 1.0 };
-            let inertia = shared.awake.inertia.get(b.row as usize);
-            b.tensor = match inertia {
-                Some(i) if b.start_tensor != InvInertia::default() => i.scaled(part),
-                _ => InvInertia::default(),
+            (b.inv_mass, b.tensor) = match shared.awake.inertia.get(b.row as usize) {
+                Some(_) if b.start_tensor == InvInertia::default() => {
+                    (b.start_inv_mass * part, InvInertia::default())
+                }
+                Some(i) => (b.start_inv_mass * part, i.scaled(part)),
+                None => (Vec3::ZERO, InvInertia::default()),
             };
-            b.inv_mass = b.start_inv_mass * part;
         }
         set.place(&shared.joints);
+        let finite = |b: &Local| b.m.dp.is_finite() && b.m.dq.is_finite();
+        set.placed = set.bodies.iter().all(finite);
     });
     for b in sets.iter().filter(|s| s.placed).flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
         let f = &mut world.frames[b.slot as usize];

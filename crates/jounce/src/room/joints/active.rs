@@ -13,6 +13,7 @@ use super::rows::Hard;
 use super::set::{Constants, JointSet};
 use super::solve::{HARD, TOUCH, give_extra, limited};
 use super::state::Joints;
+use jounce_math::scalar::f64s;
 
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 const TAUT_SPEED: f32 = 0.1;
@@ -62,7 +63,8 @@ impl JointSet {
                             Sweep::Relax => x.acts,
                             Sweep::Place => false,
                         },
-                        Duty::Spring { .. } | Duty::Limit(LimitDesc { spring: Some(_), .. }) => false,
+                        Duty::Limit(LimitDesc { spring: Some(_), .. }) => false,
+                        Duty::Spring { .. } => sweep == Sweep::Solve && x.in_direct(k.h),
                         Duty::Limit(l) => match sweep {
                             Sweep::Relax => {
                                 l.holds_still() || x.impulse != 0.0 || x.gap() + k.h * x.away(v) < 0.0
@@ -133,10 +135,10 @@ impl JointSet {
         for round in 1..=ROUNDS {
             self.joints.iter_mut().for_each(|s| s.pack(sweep));
             self.residuals(joints, k, sweep, first);
-            self.factor();
+            self.factor(k.h);
             let Some(plan) = &self.plan else { return };
             plan.solve(&mut self.numbers);
-            self.hand_out();
+            self.hand_out(k);
             if round == ROUNDS || !self.correct(joints, k, sweep, round) {
                 return;
             }
@@ -177,7 +179,7 @@ impl JointSet {
     /// Holds rows back at what they can give, or lets rows act again; true where that changes anything. Motors and friction go first:
     /// while one that is too weak stands in, an end beside it seems to pull. The last rounds let no motor in, so that they end.
     fn correct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, round: usize) -> bool {
-        self.hold_back(k, |d| matches!(d, Duty::Speed { .. }))
+        self.hold_back(k, |d| !matches!(d, Duty::Limit(_)))
             || self.hold_back(k, |d| matches!(d, Duty::Limit(_)))
             || (round <= ROUNDS_OF_ENDS && self.let_in(joints, k, sweep, round <= ROUNDS_OF_MOTORS))
     }
@@ -206,7 +208,7 @@ impl JointSet {
             let taken = s.taken();
             for x in s.extra[..taken]
                 .iter_mut()
-                .filter(|x| !x.acts && x.mass > 0.0 && x.may_hold() && (motors || x.is_hard_end()))
+                .filter(|x| !x.acts && x.mass > 0.0 && x.in_direct(k.h) && (motors || x.is_hard_end()))
             {
                 x.acts = x.must_act(x.row.speed(a, b), k, sweep);
                 changed |= x.acts;
@@ -219,18 +221,23 @@ impl JointSet {
         changed
     }
 
-    fn hand_out(&mut self) {
+    fn hand_out(&mut self, k: &Constants) {
         let Some(plan) = &self.plan else { return };
         self.bodies.iter_mut().for_each(|b| b.dv = [0.0; 6]);
-        for (i, s) in self.joints.iter_mut().enumerate() {
-            for r in 0..s.count {
-                let code = s.packed[r];
+        for (i, s) in self.joints.iter().enumerate() {
+            for (r, &code) in s.packed[..s.count].iter().enumerate() {
                 let lambda = plan.get(&self.numbers, i, r);
                 let (la, _, ia) = s.end(code, true);
                 let (lb, _, ib) = s.end(code, false);
                 add(&mut self.bodies[s.a], la, ia, lambda);
                 add(&mut self.bodies[s.b], lb, ib, lambda);
-                let c = usize::from(code);
+            }
+        }
+        let part = self.bodies.iter().map(|b| bearable(&b.dv, k)).fold(1.0, f64s::min);
+        for (i, s) in self.joints.iter_mut().enumerate() {
+            for r in 0..s.count {
+                let lambda = part * plan.get(&self.numbers, i, r);
+                let c = usize::from(s.packed[r]);
                 if c < HARD {
                     s.lambda[c] += lambda as f32;
                 } else {
@@ -242,9 +249,22 @@ impl JointSet {
         for b in &mut self.bodies {
             let m = &mut b.m;
             for i in 0..3 {
-                m.v[i] = (f64::from(m.v[i]) + b.dv[i]) as f32;
-                m.w[i] = (f64::from(m.w[i]) + b.dv[i + 3]) as f32;
+                m.v[i] = (f64::from(m.v[i]) + part * b.dv[i]) as f32;
+                m.w[i] = (f64::from(m.w[i]) + part * b.dv[i + 3]) as f32;
             }
         }
+    }
+}
+
+/// The part of a change of velocity and spin that a pass may make.
+fn bearable(dv: &[f64; 6], k: &Constants) -> f64 {
+    let size = |i: usize| (dv[i] * dv[i] + dv[i + 1] * dv[i + 1] + dv[i + 2] * dv[i + 2]).sqrt();
+    let over = f64s::max(size(0) / f64::from(k.speed_max), size(3) / f64::from(k.spin_max));
+    if !over.is_finite() {
+        0.0
+    } else if over > 1.0 {
+        1.0 / over
+    } else {
+        1.0
     }
 }

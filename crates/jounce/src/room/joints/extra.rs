@@ -10,6 +10,10 @@
 //! radian. From ωh = ½ on, where several springs on one body could drive one another unstable, the implicit one is used
 //! (Catto, Soft constraints, GDC 2011): b = s/(1 + s), a = b ω/(2ζ + hω), s = hω (2ζ + hω). A stiffness k and damper c are
 //! ω² = k/m, 2ζω = c/m.
+//!
+//! Implicit springs in the direct solve. By the mass of the row alone, a stiff spring on a light limb would carry no more than that limb,
+//! though a heavy body hangs on it. So there it is a row that yields: λ = −h (k (C + h v⁺) + c (v⁺ − v₀)), hence
+//! v⁺ + γ λ + (k C − c v₀)/(h k + c) = 0 with the compliance γ = 1/(h (h k + c)).
 
 use super::desc::{AxisDesc, LimitDesc, MotorTarget, SpringDesc};
 use super::rows::Row;
@@ -113,7 +117,7 @@ pub(crate) fn gains(spring: &SpringDesc, m: f32, h: f32) -> (f32, f32) {
             (f32s::min((stiffness / m).sqrt() * h, 1e6), f32s::min(0.5 * damping * h / m, 1e6))
         }
     };
-    if x > 0.5 {
+    if x > STIFF as f32 {
         let a1 = 2.0 * s / x + x;
         let a2 = x * a1;
         let b = a2 / (1.0 + a2);
@@ -137,6 +141,8 @@ pub(crate) fn gains(spring: &SpringDesc, m: f32, h: f32) -> (f32, f32) {
     ((one_less * one_less + bend) / h, b)
 }
 
+/// ωh from which a spring is implicit.
+const STIFF: f64 = 0.5;
 /// Slip that is rounding, m/s or rad/s.
 const SLOW: f32 = 1e-5;
 
@@ -217,9 +223,31 @@ impl Extra {
         let (low, high) = (self.row.c - l.min, l.max - self.row.c);
         if low < high { (1.0, low) } else { (-1.0, high) }
     }
+    /// k and c of a spring that the row's own mass would swing on faster than substeps follow.
+    fn stiff(&self, h: f32) -> Option<[f64; 2]> {
+        let Duty::Spring { spring, .. } = &self.duty else { return None };
+        let m = f64::from(self.mass);
+        let [k, c] = match *spring {
+            SpringDesc::Hertz { hertz, damping_ratio } => {
+                let w = core::f64::consts::TAU * f64::from(hertz);
+                [w * w * m, 2.0 * f64::from(damping_ratio) * w * m]
+            }
+            SpringDesc::Newton { stiffness, damping } => [f64::from(stiffness), f64::from(damping)],
+        };
+        let h = f64::from(h);
+        (m > 0.0 && h * h * k > STIFF * STIFF * m).then_some([k, c])
+    }
+    /// Takes part in the direct solve.
+    pub fn in_direct(&self, h: f32) -> bool {
+        self.may_hold() || self.stiff(h).is_some()
+    }
     /// What the row gives way in the direct solve, velocity per impulse: an end and friction about all axes say more than the joint has
     /// freedoms, and without it some would be pushed against others by any amount.
-    pub fn compliance(&self) -> f64 {
+    pub fn compliance(&self, h: f32) -> f64 {
+        if let Some([k, c]) = self.stiff(h) {
+            let h = f64::from(h);
+            return 1.0 / (h * (h * k + c));
+        }
         let part = if self.is_hard_end() { END_COMPLIANCE } else { MOTOR_COMPLIANCE };
         if self.mass > 0.0 { part / f64::from(self.mass) } else { 0.0 }
     }
@@ -248,7 +276,11 @@ impl Extra {
                 let to_end = sign * f32s::max(gap / k.h, -k.push_out);
                 if sweep == Sweep::Relax { v } else { v + self.bend / k.h + to_end }
             }
-            Duty::Spring { .. } => 0.0,
+            Duty::Spring { rest, velocity, .. } => self.stiff(k.h).map_or(0.0, |[stiffness, damping]| {
+                let [c, v0] = [self.row.c - rest, *velocity].map(f64::from);
+                let pull = (stiffness * c - damping * v0) / (f64::from(k.h) * stiffness + damping);
+                (f64::from(v) + self.compliance(k.h) * f64::from(self.impulse) + pull) as f32
+            }),
         }
     }
     /// A row that gives all it can, or nothing, has to hold again at the speed `v`: friction never pushes the way it slides, and an end
@@ -261,7 +293,7 @@ impl Extra {
                 f32s::max(self.gap(), 0.0) + k.h * self.away(v) < -TOUCH
             }
             Duty::Limit(l) => self.end(l).0 * self.wanted(v, k, sweep) * k.h < -TOUCH,
-            Duty::Spring { .. } => false,
+            Duty::Spring { .. } => sweep == Sweep::Solve && self.impulse * self.wanted(v, k, sweep) > 0.0,
         }
     }
     /// The nearest impulse that it can give in a substep.
@@ -273,7 +305,7 @@ impl Extra {
                 let sign = self.end(l).0;
                 sign * f32s::max(sign * impulse, 0.0)
             }
-            Duty::Spring { .. } => impulse,
+            Duty::Spring { max, .. } => f32s::clamp(impulse, -max * h, max * h),
         }
     }
 }

@@ -55,6 +55,10 @@ pub(crate) struct Constants {
     /// Fastest correction of an error, m/s and rad/s.
     pub push_out: f32,
     pub correct: f32,
+    /// Most that a pass changes velocities and spins, m/s and rad/s: the speed limit, and a turn in a substep. What asks for more
+    /// (bodies torn apart by what is stronger) cannot be had, and grows from pass to pass.
+    pub speed_max: f32,
+    pub spin_max: f32,
 }
 
 /// See the module's text.
@@ -121,7 +125,7 @@ impl JointSet {
     }
 
     /// The matrix of the rows that take part, in factors.
-    pub(super) fn factor(&mut self) {
+    pub(super) fn factor(&mut self, h: f32) {
         let Some(plan) = &self.plan else { return };
         let pattern = |s: &Solve| s.packed[..s.count].iter().fold(0_u64, |x, &c| x | (1 << c));
         let same = self.fresh
@@ -146,7 +150,7 @@ impl JointSet {
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
                 let c = match usize::from(code) {
                     c if c < HARD => f64::from(s.give_way[c]),
-                    c => s.extra[c - HARD].compliance(),
+                    c => s.extra[c - HARD].compliance(h),
                 };
                 if c > 0.0 {
                     plan.add_diagonal(n, i, r, c);
@@ -255,6 +259,8 @@ impl JointSet {
             soft: Softness { bias_rate: 1.0, mass_scale: 1.0, impulse_scale: 0.0 },
             push_out: f32::INFINITY,
             correct: f32::INFINITY,
+            speed_max: f32::INFINITY,
+            spin_max: 2.0 * core::f32::consts::PI,
         };
         let direct = self.plan.is_some();
         for _ in 0..if direct { PLACINGS } else { 4 * PLACINGS } {

@@ -350,11 +350,27 @@ impl Solve {
                 new = self.sign * f32s::max(self.sign * new, 0.0);
             }
             change[i] = new - self.lambda[i];
-            self.lambda[i] = new;
         }
+        let part = self.bearable(bodies, &change, k);
         for (i, change) in change[..n].iter().enumerate() {
-            self.give(bodies, i, *change);
+            self.lambda[i] += part * change;
+            self.give(bodies, i, part * change);
         }
+    }
+
+    /// The part of these impulses that changes neither body by more than a pass may.
+    fn bearable(&self, bodies: &[Local], change: &[f32; HARD], k: &Constants) -> f32 {
+        let mut over: f32 = 1.0;
+        for (place, is_a) in [(self.a, true), (self.b, false)] {
+            let (mut dv, mut dw) = (Vec3::ZERO, Vec3::ZERO);
+            for (i, change) in change[..self.hard.n].iter().enumerate() {
+                let row = &self.hard.rows[i];
+                dv += if is_a { row.la } else { row.lb }.mul(bodies[place].inv_mass) * *change;
+                dw += if is_a { self.ia[i] } else { self.ib[i] } * *change;
+            }
+            over = f32s::max(over, f32s::max(dv.length() / k.speed_max, dw.length() / k.spin_max));
+        }
+        if over.is_finite() { 1.0 / over } else { 0.0 }
     }
 
     /// A damper across a rod.
@@ -376,7 +392,7 @@ impl Solve {
     pub(super) fn sweep_extra(&mut self, bodies: &mut [Local], k: &Constants, sweep: Sweep, direct: bool) {
         let taken = if direct { self.taken() } else { 0 };
         for (i, x) in self.extra.iter_mut().enumerate() {
-            if i < taken && x.may_hold() {
+            if i < taken && x.in_direct(k.h) {
                 continue;
             }
             let v = x.row.speed(&bodies[self.a].m, &bodies[self.b].m);
