@@ -49,31 +49,6 @@ fn run(seed: u64, jointed: bool) -> Seen {
         let start = Instant::now();
         storm.step();
         let time = start.elapsed();
-        if std::env::var_os("SD").is_some() {
-            let w = &storm.world;
-            let fast = w
-                .bodies()
-                .map(|b| {
-                    let r = w.body(b).unwrap();
-                    (r.velocity().length().max(r.angular_velocity().length() * 0.1), b)
-                })
-                .fold((0.0, None), |a, b| if b.0 > a.0 { (b.0, Some(b.1)) } else { a });
-            let force = w
-                .joints()
-                .map(|j| {
-                    let r = w.joint(j).unwrap();
-                    (r.force().length(), j, r.kind().name(), r.gap())
-                })
-                .fold((0.0, None), |a, b| if b.0 > a.0 { (b.0, Some(b)) } else { a });
-            let gap = w
-                .joints()
-                .map(|j| {
-                    let r = w.joint(j).unwrap();
-                    (r.gap(), j, r.kind().name(), r.body_a(), r.body_b())
-                })
-                .fold((0.0, None), |a, b| if b.0 > a.0 { (b.0, Some(b)) } else { a });
-            eprintln!("T {step} fast {fast:?} force {force:?} gap {gap:?}");
-        }
         assert!(time < STEP_TIME_MAX, "step {step} took {time:?}");
         if let Some(what) = not_finite(&storm.world) {
             panic!("step {step}: {what}");

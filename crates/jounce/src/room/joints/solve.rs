@@ -360,17 +360,15 @@ impl Solve {
 
     /// The part of these impulses that changes neither body by more than a pass may.
     fn bearable(&self, bodies: &[Local], change: &[f32; HARD], k: &Constants) -> f32 {
-        let mut over: f32 = 1.0;
-        for (place, is_a) in [(self.a, true), (self.b, false)] {
-            let (mut dv, mut dw) = (Vec3::ZERO, Vec3::ZERO);
-            for (i, change) in change[..self.hard.n].iter().enumerate() {
-                let row = &self.hard.rows[i];
-                dv += if is_a { row.la } else { row.lb }.mul(bodies[place].inv_mass) * *change;
-                dw += if is_a { self.ia[i] } else { self.ib[i] } * *change;
-            }
-            over = f32s::max(over, f32s::max(dv.length() / k.speed_max, dw.length() / k.spin_max));
+        let mut by = [[Vec3::ZERO; 2]; 2];
+        for (i, change) in change[..self.hard.n].iter().enumerate() {
+            let row = &self.hard.rows[i];
+            by[0][0] += row.la.mul(bodies[self.a].inv_mass) * *change;
+            by[0][1] += self.ia[i] * *change;
+            by[1][0] += row.lb.mul(bodies[self.b].inv_mass) * *change;
+            by[1][1] += self.ib[i] * *change;
         }
-        if over.is_finite() { 1.0 / over } else { 0.0 }
+        bearable(by, k)
     }
 
     /// A damper across a rod.
@@ -397,7 +395,13 @@ impl Solve {
             }
             let v = x.row.speed(&bodies[self.a].m, &bodies[self.b].m);
             let d = push(x, v, sweep, k.h, k.push_out);
-            give_extra(x, bodies, self.a, self.b, d);
+            let [va, vb] =
+                [(x.row.la, self.a), (x.row.lb, self.b)].map(|(l, b)| l.mul(bodies[b].inv_mass) * d);
+            let part = bearable([[va, x.ia * d], [vb, x.ib * d]], k);
+            if part < 1.0 {
+                x.impulse += (part - 1.0) * d;
+            }
+            give_extra(x, bodies, self.a, self.b, part * d);
         }
     }
 
@@ -448,6 +452,13 @@ impl Solve {
         let e = Ends::now(&self.start, &bodies[self.a].m, &bodies[self.b].m);
         if self.slides { e.along(e.axis_a(0)) } else { e.twist() }
     }
+}
+
+/// The part of two bodies' changes of velocity and spin that a pass may make.
+fn bearable(by: [[Vec3; 2]; 2], k: &Constants) -> f32 {
+    let over = by.map(|[dv, dw]| f32s::max(dv.length() / k.speed_max, dw.length() / k.spin_max));
+    let over = f32s::max(over[0], over[1]);
+    if over.is_finite() { 1.0 / f32s::max(over, 1.0) } else { 0.0 }
 }
 
 pub(super) fn give_extra(x: &Extra, bodies: &mut [Local], a: usize, b: usize, d: f32) {
