@@ -235,11 +235,16 @@ impl Solve {
             x.ia = a.tensor.mul(x.row.ja);
             x.ib = b.tensor.mul(x.row.jb);
             let k = inverse_mass(&x.row, x.ia, x.ib, a, b);
-            x.mass = if k > 0.0 { 1.0 / k } else { 0.0 };
+            x.mass = if k > UNMOVED * most_inverse_mass(&x.row, a, b) { 1.0 / k } else { 0.0 };
         }
         for i in 0..self.hard.n {
             self.ia[i] = a.tensor.mul(self.hard.rows[i].ja);
             self.ib[i] = b.tensor.mul(self.hard.rows[i].jb);
+            // Along what is locked nothing moves; an impulse would only grow.
+            let row = &self.hard.rows[i];
+            if inverse_mass(row, self.ia[i], self.ib[i], a, b) <= UNMOVED * most_inverse_mass(row, a, b) {
+                self.give_way[i] = f32::INFINITY;
+            }
         }
         if iterative {
             let n = self.hard.n;
@@ -473,6 +478,15 @@ pub(super) fn give_extra(x: &Extra, bodies: &mut [Local], a: usize, b: usize, d:
     body.m.w += x.ib * d;
 }
 
+/// What it would be if both bodies gave way in the row's directions as in their lightest.
+fn most_inverse_mass(row: &Row, a: &Local, b: &Local) -> f32 {
+    let of = |l: Vec3, j: Vec3, x: &Local| {
+        let t = &x.tensor;
+        l.length_squared() * x.inv_mass.max_component() + j.length_squared() * (t.xx + t.yy + t.zz)
+    };
+    of(row.la, row.ja, a) + of(row.lb, row.jb, b)
+}
+
 pub(super) fn inverse_mass(row: &Row, ia: Vec3, ib: Vec3, a: &Local, b: &Local) -> f32 {
     row.la.dot(row.la.mul(a.inv_mass)) + row.ja.dot(ia) + row.lb.dot(row.lb.mul(b.inv_mass)) + row.jb.dot(ib)
 }
@@ -487,6 +501,8 @@ pub(super) fn limited(c: f32, most: f32) -> f32 {
 
 /// Rows of a joint that hold, at most.
 pub(super) const HARD: usize = 6;
+/// A row whose inverse mass is less than this part of what its bodies have in other directions moves nothing: locked axes, and rounding.
+const UNMOVED: f32 = 1e-8;
 /// How far beyond an end counts, m or rad.
 pub(super) const TOUCH: f32 = 1e-6;
 

@@ -21,6 +21,7 @@
 
 use super::desc::BodyKind;
 use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
+use crate::limits::SPIN_MAX;
 use jounce_math::{DQuat, DVec3, Quat, Vec3};
 
 /// Constants of one substep.
@@ -84,8 +85,8 @@ pub(crate) fn integrate_position(
     }
     s.dp += s.v * sub.h;
     let w2 = s.w.length_squared();
+    let limit = if b.fast_rotation { SPIN_MAX } else { sub.angular_speed_max };
     if turns_freely(b) && w2 >= SPIN_MIN_SQUARED {
-        let limit = if b.fast_rotation { f32::INFINITY } else { sub.angular_speed_max };
         let keep = 1.0 / (1.0 + f64::from(sub.h * b.angular_damping));
         torque_free(
             &mut s,
@@ -97,8 +98,8 @@ pub(crate) fn integrate_position(
             limit,
         );
     } else {
-        if w2 > sub.angular_speed_max * sub.angular_speed_max && !b.fast_rotation {
-            s.w *= sub.angular_speed_max / w2.sqrt();
+        if w2 > limit * limit {
+            s.w *= limit / w2.sqrt();
         }
         let r = s.w * sub.h;
         s.dr += r;
