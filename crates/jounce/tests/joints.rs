@@ -885,7 +885,7 @@ fn a_loop_of_hinges_tells_its_true_forces() {
     let (n, mass, half) = (20, 50.0_f32, 0.5_f64);
     let mut w = world();
     let banks = anchor(&mut w);
-    let phi = (18.0_f64 / f64::from(n)).acos();
+    let phi = f64s::acos(18.0 / f64::from(n));
     let (sin, cos) = (f64s::sin(phi), f64s::cos(phi));
     let at = |k: i32| DVec3::new(f64::from(k) * cos - 9.0, -f64::from(k.min(n - k)) * sin, 0.0);
     let mut last = banks;
