@@ -23,6 +23,12 @@ pub fn render(a: &RenderArgs) -> Done {
             return Err(Failure::bad(format!("{name}: expected a name that ends in .png or .gif")));
         }
     };
+    if !film && (a.every.is_some() || a.fps.is_some()) {
+        let name = a.output.display();
+        return Err(Failure::bad(format!(
+            "{name}: --every and --fps speak of films; expected a name that ends in .gif, or --at T for the moment of a .png"
+        )));
+    }
     let scene = match load(&a.scene, &a.common)? {
         Loaded::Scene(scene) => scene,
         Loaded::Skipped(why) => return say_skipped(&a.scene, &why, false),

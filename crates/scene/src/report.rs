@@ -25,7 +25,7 @@ pub struct Report {
     pub contacts: usize,
     /// Awake bodies at the end.
     pub awake: usize,
-    /// Time that the engine's steps took, ms.
+    /// Time that the steps took, of the engine and of the systems of points and springs, ms.
     pub step_ms: StepMs,
     /// Mechanical energy, J.
     pub energy: StartEnd,
@@ -35,6 +35,9 @@ pub struct Report {
     pub hash: String,
     /// All expectations, in the order of the file.
     pub expectations: Vec<Expectation>,
+    /// Limits that were reached and systems that stopped, each once with the time of the first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Wall-clock time of steps, ms.
@@ -130,6 +133,7 @@ impl Report {
             momentum: Momentum { linear: p.linear.to_array(), angular: p.angular.to_array() },
             hash: format!("{:#018x}", world.hash()),
             expectations: judges.iter().zip(&scene.spec.expect).map(|(j, e)| j.expectation(e)).collect(),
+            warnings: Vec::new(),
         }
     }
 

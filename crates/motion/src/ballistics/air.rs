@@ -247,9 +247,14 @@ impl<'a> Path<'a> {
         let longest = min(max(self.character, self.part_of_turn(before.velocity)), 1.0 / rate);
         let near = before.time + longest;
         let until = if near > before.time { min(until, near) } else { until };
-        self.solver.step(until, &mut |_: f64, y: &[DVec3], dy: &mut [DVec3]| {
+        let stepped = self.solver.step(until, &mut |_: f64, y: &[DVec3], dy: &mut [DVec3]| {
             dy[0] = y[1];
             dy[1] = gravity + air.acceleration(y[1]);
+        });
+        stepped.map_err(|_| Error::Failed {
+            what: "flight through air",
+            time: before.time,
+            advice: "its numbers do not stay finite; give a mass, speed, drag or spin nearer to a real one",
         })?;
         let now = self.now();
         let left = (gravity + air.acceleration(now.velocity)).length();
