@@ -5,11 +5,11 @@ use crate::error::{Done, Failure};
 use crate::output::{note, progress};
 use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce::math::{DVec3, Quat, Vec3};
-use jounce::{BodyKind, ParticleView, ShapeId, World};
+use jounce::{BodyKind, FieldDesc, FieldLaw, ParticleView, Region, ShapeId, World};
 use jounce_render::{
     Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails,
-    add_character, add_joint, add_vehicle, contact_overlay, default_skin, render_with, sensor_overlay, srgb,
-    write_whole,
+    Water, add_character, add_joint, add_vehicle, contact_overlay, default_skin, render_with, sensor_overlay,
+    srgb, write_whole,
 };
 use jounce_scene::{Scene, Simulation, System};
 use std::path::Path;
@@ -266,6 +266,7 @@ impl<'a> Painter<'a> {
             }
         }
         let world = simulation.world();
+        extras.waters.extend(world.fields().filter_map(|id| water(world.field(id).ok()?)));
         world.vehicles().for_each(|id| add_vehicle(world, id, &mut extras));
         world.characters().for_each(|id| add_character(world, id, &mut extras));
         extras
@@ -328,6 +329,17 @@ impl<'a> Painter<'a> {
         }
         Ok(render_with(&stage, &camera, &self.extras(simulation), &overlay, &self.options)?)
     }
+}
+
+/// A field of water that acts, as pictures show it. Within a ball it is not drawn.
+fn water(f: &FieldDesc) -> Option<Water> {
+    let FieldLaw::Water { surface, normal, .. } = f.law else { return None };
+    let within = match f.region {
+        Region::Everywhere => None,
+        Region::Box { center, half, .. } => Some((center, half)),
+        Region::Sphere { .. } => return None,
+    };
+    f.enabled.then_some(Water { surface, normal, within })
 }
 
 /// Display colour to linear light.

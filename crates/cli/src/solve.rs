@@ -268,8 +268,12 @@ fn through_air(task: &Task, air: &Air, vacuum: &Answer) -> Done<Answer> {
                 (Reach::Yes(shots), _) => yes(named(&shots)
                     .map(|(name, s)| report(&name, s.velocity, Some(s.time)))
                     .collect::<Done<_>>()?),
-                (Reach::No(_), Asked::Range(range)) => {
+                (Reach::No(miss), Asked::Range(range)) => {
                     let (shot, landing) = farthest_in_air(speed, g, DVec3::X, air)?;
+                    if landing.position.y.abs() > 1e-6 * range {
+                        // Lift or a wind keeps it up: there is no landing to be short.
+                        return Ok(no(&miss));
+                    }
                     let distance = landing.position.distance(DVec3::X * *range);
                     no(&Miss { distance, shot, closest: landing.position, speed_needed: None })
                 }
@@ -303,7 +307,7 @@ fn no(miss: &Miss) -> Answer {
     let (angle_deg, azimuth_deg) = angles(miss.shot.velocity);
     let miss = MissReport {
         distance: miss.distance,
-        closest: miss.closest.to_array(),
+        closest: tidy(miss.closest, miss.shot.time * miss.shot.velocity.length()),
         time: miss.shot.time,
         angle_deg,
         azimuth_deg,
@@ -341,10 +345,13 @@ fn shot_report(
     }
 }
 
+/// A place at the end of a way that is so long: what is far below its rounding is none.
+fn tidy(place: DVec3, way: f64) -> [f64; 3] {
+    place.to_array().map(|x| if x.abs() <= 1e-14 * way { 0.0 } else { x })
+}
+
 fn moment(e: Event) -> Moment {
-    // What is far below the rounding of the way that was flown is none.
-    let noise = 1e-14 * e.time * e.velocity.length();
-    let position = e.position.to_array().map(|x| if x.abs() <= noise { 0.0 } else { x });
+    let position = tidy(e.position, e.time * e.velocity.length());
     Moment {
         time: e.time,
         position,

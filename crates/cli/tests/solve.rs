@@ -213,7 +213,11 @@ fn far_targets_and_stiff_drag_are_answered_soon() {
         let start = std::time::Instant::now();
         let v = json(words);
         assert_eq!(v["air"]["reachable"].as_bool(), Some(false), "{words}");
-        assert!(v["air"]["miss"]["distance"].as_f64().is_some_and(|d| d > 0.0), "{words}: {v}");
+        let (left, y) = (&v["air"]["miss"]["distance"], &v["air"]["miss"]["closest"][1]);
+        assert!(left.as_f64().is_some_and(|d| d > 0.0), "{words}: {v}");
+        // Blown up by the wind, it is nearest at the start, not where it was last seen.
+        let near = !words.contains("wind") || left.as_f64().is_some_and(|d| d < 20.0);
+        assert!(near && y.as_f64().is_some_and(|y| y == 0.0 || y.abs() > 1e-12), "{words}: {v}");
         assert!(start.elapsed().as_secs_f64() < 8.0, "{words}: {:?}", start.elapsed());
     }
 }

@@ -201,9 +201,9 @@ impl Judge {
     fn expectation(&self, spec: &ExpectSpec) -> Expectation {
         let expected = match (spec.value, spec.min, spec.max) {
             (Some(v), ..) => Expected::Value(v),
-            (None, Some(a), Some(b)) => Expected::Range(format!("{a} … {b}")),
-            (None, Some(a), None) => Expected::Range(format!("≥ {a}")),
-            (None, None, b) => Expected::Range(format!("≤ {}", b.unwrap_or(f64::INFINITY))),
+            (None, Some(a), Some(b)) => Expected::Range(format!("{} … {}", short(a), short(b))),
+            (None, Some(a), None) => Expected::Range(format!("≥ {}", short(a))),
+            (None, None, b) => Expected::Range(format!("≤ {}", short(b.unwrap_or(f64::INFINITY)))),
         };
         Expectation {
             name: spec.name.clone(),
@@ -215,6 +215,15 @@ impl Judge {
             source: spec.source.clone(),
             pass: self.reached.then(|| !self.missing && self.worst.is_some_and(|(_, off)| off <= 0.0)),
         }
+    }
+}
+
+/// A number without a row of zeros.
+fn short(v: f64) -> String {
+    if v != 0.0 && v.is_finite() && !(1e-4..1e9).contains(&v.abs()) {
+        format!("{v:e}")
+    } else {
+        v.to_string()
     }
 }
 
@@ -256,5 +265,19 @@ impl StepTimes {
             sorted.get(n.min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0)
         };
         StepMs { median: at(0.5), p95: at(0.95), max: self.max }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn ranges_are_short_and_true() {
+        for (v, text) in
+            [(-1e-9, "-1e-9"), (0.0, "0"), (0.15, "0.15"), (2.5e12, "2.5e12"), (f64::INFINITY, "inf")]
+        {
+            assert_eq!(short(v), text);
+        }
     }
 }

@@ -249,8 +249,8 @@ fn emitters_without_room_are_told_once_and_count_what_lived() {
     let (s, r) = run_for(
         Some(0.5),
         r#"{"jounce": 1, "emitters": [
-            {"name": "flood", "rate": 1e7, "max_particles": 1000, "lifetime_s": 100},
-            {"name": "drip", "rate": 10, "lifetime_s": 100}],
+            {"name": "flood", "rate": 1e7, "max_particles": 1000, "lifetime_s": [100, 100]},
+            {"name": "drip", "rate": 10, "lifetime_s": [100, 100]}],
         "timeline": [{"at": 0.25, "emit": {"emitter": "flood", "count": 4294967295}}],
         "probes": {"flood": {"emitter": "flood", "value": "born"}, "drip": {"emitter": "drip", "value": "born"}}}"#,
     );
