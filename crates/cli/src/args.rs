@@ -20,7 +20,7 @@ pub struct Common {
     #[arg(long, value_name = "DIR")]
     pub assets: Option<PathBuf>,
     /// Threads for simulation and pictures [default: 1 for `run`, all cores for pictures]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=256))]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<u32>,
 }
 
@@ -54,11 +54,11 @@ pub struct RunArgs {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
-    /// Write the probes as a CSV file
+    /// Write the probes as a CSV file; a folder that is missing is made
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
     /// Sample probes every N steps for --csv; expectations are judged at every step
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count, allow_negative_numbers = true, requires = "csv")]
     pub every: u64,
 }
 
@@ -68,7 +68,7 @@ pub struct RenderArgs {
     pub common: Common,
     /// Scene file
     pub scene: PathBuf,
-    /// Picture to write: .png (one moment) or .gif (a film)
+    /// Picture to write: .png (one moment) or .gif (a film); a folder that is missing is made
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Size of the picture [default: 960x540 for PNG, 480x270 for GIF]
@@ -84,7 +84,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "F", value_parser = fps, allow_negative_numbers = true, conflicts_with = "every")]
     pub fps: Option<f64>,
     /// Draw every N-th step of a film
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub every: Option<u64>,
     /// Finer light and edges, slower
     #[arg(long)]
@@ -104,20 +104,20 @@ pub struct PlotArgs {
     /// Scene files; several are drawn into one diagram
     #[arg(required = true, value_name = "SCENE")]
     pub scenes: Vec<PathBuf>,
-    /// Probes to plot, separated by commas
-    #[arg(long, value_name = "NAME", value_delimiter = ',', required = true)]
+    /// Probes to plot, separated by commas; a name that holds a comma in a --y of its own
+    #[arg(long, value_name = "NAME", required = true)]
     pub y: Vec<String>,
     /// Logarithmic y axis
     #[arg(long)]
     pub log_y: bool,
-    /// Diagram to write: .svg or .png
+    /// Diagram to write: .svg or .png; a folder that is missing is made
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Simulated seconds [default: as the scene says]
     #[arg(long, value_parser = seconds, allow_negative_numbers = true)]
     pub seconds: Option<f64>,
     /// Sample every N steps
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count, allow_negative_numbers = true)]
     pub every: u64,
     /// Size of the diagram
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
@@ -126,8 +126,9 @@ pub struct PlotArgs {
 
 #[derive(ClapArgs)]
 pub struct CheckArgs {
-    #[command(flatten)]
-    pub common: Common,
+    /// Folder that `assets:` in scenes means [default: ../shared/assets beside the checkout]
+    #[arg(long, value_name = "DIR")]
+    pub assets: Option<PathBuf>,
     /// Scene files
     #[arg(required = true)]
     pub files: Vec<PathBuf>,
@@ -153,7 +154,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "ENGINE", value_delimiter = ',')]
     pub against: Vec<String>,
     /// Numbers of threads to run with
-    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1", value_parser = clap::value_parser!(u32).range(1..=256))]
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Vec<u32>,
     /// Fewer steps, one repeat
     #[arg(long)]
@@ -199,13 +200,13 @@ pub struct ProjectileArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, group = "question")]
     pub target: Option<[f64; 3]>,
     /// Height of the target of --range above the launch, m
-    #[arg(long, value_name = "H", value_parser = finite, allow_hyphen_values = true, default_value = "0", requires = "range")]
+    #[arg(long, value_name = "H", value_parser = finite, allow_hyphen_values = true, default_value = "0", requires = "range", conflicts_with_all = ["angle", "apex", "target"])]
     pub height: f64,
     /// Velocity of the target of --range or --target, m/s: where to lead?
     #[arg(long, value_name = "VX,VY,VZ", value_parser = vector, allow_hyphen_values = true, requires = "speed", conflicts_with_all = ["angle", "apex"])]
     pub moving: Option<[f64; 3]>,
     /// Height of the launch of --angle above the ground, m
-    #[arg(long, value_name = "H", value_parser = not_negative, allow_hyphen_values = true, default_value = "0", requires = "angle")]
+    #[arg(long, value_name = "H", value_parser = not_negative, allow_hyphen_values = true, default_value = "0", requires = "angle", conflicts_with_all = ["range", "apex", "target"])]
     pub launch_height: f64,
     /// Gravity, m/s²
     #[arg(long, value_name = "G", value_parser = above_zero, allow_hyphen_values = true, default_value = "9.81")]
@@ -240,7 +241,7 @@ pub struct ProjectileArgs {
 }
 
 fn above_zero(text: &str) -> Result<f64, String> {
-    in_range(text, |v| v > 0.0 && v <= 1e9, "a number above 0, at most 1e9")
+    in_range(text, |v| (1e-12..=1e9).contains(&v), "a number above 0: 1e-12 to 1e9")
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
@@ -273,6 +274,17 @@ fn time(text: &str) -> Result<f64, String> {
 
 fn fps(text: &str) -> Result<f64, String> {
     in_range(text, |v| (0.1..=50.0).contains(&v), "0.1 to 50 frames a second")
+}
+
+fn count(text: &str) -> Result<u64, String> {
+    text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "expected a whole number, 1 or more".into())
+}
+
+fn threads(text: &str) -> Result<u32, String> {
+    text.parse()
+        .ok()
+        .filter(|n| (1..=256).contains(n))
+        .ok_or_else(|| "expected a whole number from 1 to 256".into())
 }
 
 fn in_range(text: &str, ok: impl Fn(f64) -> bool, expected: &str) -> Result<f64, String> {

@@ -1,8 +1,8 @@
 //! `jounce check`: are these scenes right, and where not?
 
-use crate::args::CheckArgs;
+use crate::args::{CheckArgs, Common};
 use crate::error::{Done, Failure};
-use crate::output::{complain, print, print_json};
+use crate::output::{clean, complain, print, print_json};
 use crate::run::load_options;
 use jounce_scene::{Scene, SceneError};
 use serde::Serialize;
@@ -34,11 +34,11 @@ pub struct Fault {
 }
 
 pub fn check(a: &CheckArgs) -> Done {
-    let options = load_options(&a.common);
+    let options = load_options(&Common { assets: a.assets.clone(), threads: None });
     let mut files = Vec::new();
     let mut text = String::new();
     for path in &a.files {
-        let file = path.display().to_string();
+        let file = clean(&path.display().to_string());
         let mut report = FileReport { file: file.clone(), ok: true, skipped: None, error: None };
         match Scene::load(path, &options) {
             Ok(_) => text += &format!("{file}: ok\n"),

@@ -1,7 +1,7 @@
 //! Standard output and standard error, tables and progress.
 
 use crate::error::{Done, Failure};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::io::Write;
 
 /// Writes text to standard output.
@@ -17,24 +17,42 @@ pub fn print_json(value: &impl serde::Serialize) -> Done {
     print(&(text + "\n"))
 }
 
-/// Writes a message to standard error; nobody listening is no mistake.
-pub fn complain(message: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "error: {message}");
+/// Text of a file as a terminal may see it: what would move the cursor, change colours or turn the reading direction is
+/// written out.
+pub fn clean(text: &str) -> String {
+    let turns = |c: char| matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}');
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() || turns(c) { out.extend(c.escape_default()) } else { out.push(c) }
+    }
+    out
 }
 
-/// Writes a remark to standard error.
+/// Writes a message to standard error; nobody listening is no mistake.
+pub fn complain(message: &str) {
+    let lines: Vec<String> = message.split('\n').map(clean).collect();
+    let _ = writeln!(std::io::stderr().lock(), "error: {}", lines.join("\n"));
+}
+
+/// Writes a remark of one line to standard error.
 pub fn note(message: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{message}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", clean(message));
 }
 
 /// A bar on standard error; invisible where that is no terminal.
 pub fn progress(length: u64, what: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(15));
-    let look = "{msg:<10} [{bar:36.cyan/blue}] {pos:>5}/{len} {elapsed_precise} (left {eta})";
+    let look = "{msg:<10} [{bar:36.cyan/blue}] {pos:>5}/{len} {elapsed_precise} (left {left})";
     if let Ok(style) = ProgressStyle::with_template(look) {
-        bar.set_style(style.progress_chars("━╸─"));
+        let left = |s: &ProgressState, w: &mut dyn std::fmt::Write| {
+            // Before the first step nothing is known of how long one takes.
+            let _ = if s.pos() == 0 { w.write_str("?") } else { write!(w, "{:#}", HumanDuration(s.eta())) };
+        };
+        bar.set_style(style.with_key("left", left).progress_chars("━╸─"));
     }
     bar.set_message(what.to_string());
+    // The clock goes on within a step that takes long.
+    bar.enable_steady_tick(std::time::Duration::from_millis(200));
     bar
 }
 
@@ -48,7 +66,7 @@ pub struct Table {
 impl Table {
     /// A table with a head.
     pub fn new<const N: usize>(head: [&str; N]) -> Self {
-        Self { rows: vec![head.map(String::from).to_vec()], left: vec![0] }
+        Self { rows: vec![head.map(clean).to_vec()], left: vec![0] }
     }
     /// Sets a column to the left.
     pub fn left(mut self, column: usize) -> Self {
@@ -57,7 +75,7 @@ impl Table {
     }
     /// Adds a row.
     pub fn row<const N: usize>(&mut self, cells: [String; N]) {
-        self.rows.push(cells.to_vec());
+        self.rows.push(cells.map(|c| clean(&c)).to_vec());
     }
     /// The lines.
     pub fn text(&self) -> String {
@@ -113,6 +131,15 @@ mod tests {
         assert_eq!(number(1.25e-9), "1.2500e-9");
         assert_eq!(number(123_456.7), "123457");
         assert_eq!(number(f64::NAN), "NaN");
+    }
+
+    #[test]
+    fn names_reach_the_terminal_tame() {
+        assert_eq!(clean("a\nb\x1b[31m\u{202e}c é – µ"), "a\\nb\\u{1b}[31m\\u{202e}c é – µ");
+        let mut t = Table::new(["", "a\u{1b}"]);
+        t.row(["x\ny".into(), "1".into()]);
+        assert_eq!(t.text().lines().count(), 3);
+        assert!(!t.text().contains('\u{1b}'));
     }
 
     #[test]

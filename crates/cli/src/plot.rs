@@ -15,7 +15,7 @@ pub fn plot(a: &PlotArgs) -> Done {
         let name = a.output.display();
         return Err(Failure::bad(format!("{name}: expected a name that ends in .svg or .png")));
     }
-    let mut curves = Curves { series: Vec::new(), units: Vec::new(), names: Vec::new() };
+    let mut curves = Curves { series: Vec::new(), units: Vec::new(), names: Vec::new(), shown: Vec::new() };
     for path in &a.scenes {
         match load(path, &a.common)? {
             Loaded::Scene(scene) => curves.add(a, path, &scene)?,
@@ -27,7 +27,7 @@ pub fn plot(a: &PlotArgs) -> Done {
     }
     let plot = Plot {
         title: curves.names.join(", "),
-        y_label: label(a, &curves.units),
+        y_label: label(&curves.shown, &curves.units),
         series: curves.series,
         width: a.size.0.max(200),
         height: a.size.1.max(150),
@@ -44,8 +44,8 @@ pub fn plot(a: &PlotArgs) -> Done {
 }
 
 /// Name of the axis: the probe where there is one, and the unit where all share it.
-fn label(a: &PlotArgs, units: &[&str]) -> String {
-    let name = if a.y.len() == 1 { a.y[0].as_str() } else { "" };
+fn label(shown: &[String], units: &[&str]) -> String {
+    let name = shown.first().filter(|first| shown.iter().all(|s| s == *first)).map_or("", String::as_str);
     match units {
         [first, rest @ ..] if !first.is_empty() && rest.iter().all(|u| u == first) => {
             format!("{name} ({first})").trim().into()
@@ -87,6 +87,8 @@ struct Curves {
     units: Vec<&'static str>,
     /// Of the scenes.
     names: Vec<String>,
+    /// Probes of the curves.
+    shown: Vec<String>,
 }
 
 impl Curves {
@@ -94,7 +96,8 @@ impl Curves {
     fn add(&mut self, a: &PlotArgs, path: &Path, scene: &Scene) -> Done {
         let spec = scene.spec();
         let known: Vec<&str> = spec.probes.keys().collect();
-        if let Some(name) = a.y.iter().find(|y| !known.contains(&y.as_str())) {
+        let wanted = chosen(&a.y, &known);
+        if let Some(name) = wanted.iter().find(|y| !known.contains(&y.as_str())) {
             let expected = if known.is_empty() { "(the scene has none)".into() } else { known.join(", ") };
             let file = path.display();
             return Err(Failure::bad(format!("{file}: no probe \"{name}\"; expected one of {expected}")));
@@ -112,8 +115,9 @@ impl Curves {
         let name = if self.names.contains(&name) { path.display().to_string() } else { name };
         let of = if a.scenes.len() > 1 { format!("{name}: ") } else { String::new() };
         let mut dots = 0;
-        for probe in &a.y {
+        for probe in &wanted {
             let color = Some(self.units.len());
+            self.shown.push(probe.clone());
             self.units.push(spec.probes.get(probe).map_or("", unit));
             let values = samples.column(probe).unwrap_or_default();
             let points = samples.times().iter().zip(values).map(|(t, v)| [*t, *v]).collect();
@@ -129,5 +133,30 @@ impl Curves {
         }
         self.names.push(name);
         Ok(())
+    }
+}
+
+/// Names of probes out of the words of `--y`: a word that is a name as it stands, else those between its commas.
+fn chosen(words: &[String], known: &[&str]) -> Vec<String> {
+    let mut all = Vec::new();
+    for w in words {
+        if known.contains(&w.as_str()) {
+            all.push(w.clone());
+        } else {
+            all.extend(w.split(',').map(String::from));
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::chosen;
+
+    #[test]
+    fn a_name_may_hold_a_comma() {
+        let words = ["a,b".to_string(), "c,d".to_string()];
+        assert_eq!(chosen(&words, &["a,b", "c", "d"]), ["a,b", "c", "d"]);
+        assert_eq!(chosen(&words, &["a", "b"]), ["a", "b", "c", "d"]);
     }
 }

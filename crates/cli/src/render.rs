@@ -5,11 +5,11 @@ use crate::error::{Done, Failure};
 use crate::output::{note, progress};
 use crate::run::{Loaded, load, say_skipped, simulate, start};
 use jounce::math::{DVec3, Quat, Vec3};
-use jounce::{BodyKind, ParticleView, ShapeId, World};
+use jounce::{BodyKind, FieldDesc, FieldLaw, ParticleView, Region, ShapeId, World};
 use jounce_render::{
     Ball, Camera, Extras, Face, Film, Image, Look, Overlay, Pattern, RenderOptions, Rod, Skin, Stage, Trails,
-    add_character, add_joint, add_vehicle, contact_overlay, default_skin, render_with, sensor_overlay, srgb,
-    write_whole,
+    Water, add_character, add_joint, add_vehicle, contact_overlay, default_skin, render_with, sensor_overlay,
+    srgb, write_whole,
 };
 use jounce_scene::{Scene, Simulation, System};
 use std::path::Path;
@@ -23,6 +23,12 @@ pub fn render(a: &RenderArgs) -> Done {
             return Err(Failure::bad(format!("{name}: expected a name that ends in .png or .gif")));
         }
     };
+    if !film && (a.every.is_some() || a.fps.is_some()) {
+        let name = a.output.display();
+        return Err(Failure::bad(format!(
+            "{name}: --every and --fps speak of films; expected a name that ends in .gif, or --at T for the moment of a .png"
+        )));
+    }
     let scene = match load(&a.scene, &a.common)? {
         Loaded::Scene(scene) => scene,
         Loaded::Skipped(why) => return say_skipped(&a.scene, &why, false),
@@ -260,6 +266,7 @@ impl<'a> Painter<'a> {
             }
         }
         let world = simulation.world();
+        extras.waters.extend(world.fields().filter_map(|id| water(world.field(id).ok()?)));
         world.vehicles().for_each(|id| add_vehicle(world, id, &mut extras));
         world.characters().for_each(|id| add_character(world, id, &mut extras));
         extras
@@ -322,6 +329,17 @@ impl<'a> Painter<'a> {
         }
         Ok(render_with(&stage, &camera, &self.extras(simulation), &overlay, &self.options)?)
     }
+}
+
+/// A field of water that acts, as pictures show it. Within a ball it is not drawn.
+fn water(f: &FieldDesc) -> Option<Water> {
+    let FieldLaw::Water { surface, normal, .. } = f.law else { return None };
+    let within = match f.region {
+        Region::Everywhere => None,
+        Region::Box { center, half, .. } => Some((center, half)),
+        Region::Sphere { .. } => return None,
+    };
+    f.enabled.then_some(Water { surface, normal, within })
 }
 
 /// Display colour to linear light.

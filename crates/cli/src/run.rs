@@ -2,7 +2,7 @@
 
 use crate::args::{Common, RunArgs};
 use crate::error::{Done, Failure};
-use crate::output::{Table, note, number, print, print_json, progress};
+use crate::output::{Table, clean, note, number, print, print_json, progress};
 use indicatif::ProgressBar;
 use jounce::tasks::Tasks;
 use jounce_render::write_whole;
@@ -68,7 +68,7 @@ pub fn say_skipped(path: &Path, why: &str, json: bool) -> Done {
     if json {
         return print_json(&Skipped { scene, skipped: why.into() });
     }
-    print(&format!("{scene}: skipped: {why}\n"))
+    print(&format!("{}: skipped: {}\n", clean(&scene), clean(why)))
 }
 
 /// The table of a report for people.
@@ -77,6 +77,9 @@ pub fn summary(r: &Report) -> String {
     let mut row = |name: &str, value: String| t.row([name.into(), value]);
     row("simulated", format!("{} s in {} steps", number(r.seconds_simulated), r.steps));
     row("bodies", format!("{}, of which {} awake", r.bodies, r.awake));
+    if r.particles > 0 {
+        row("particles", r.particles.to_string());
+    }
     row("touching pairs", r.contacts.to_string());
     row("step, median", format!("{:.3} ms", r.step_ms.median));
     row("step, 95 % / longest", format!("{:.3} / {:.3} ms", r.step_ms.p95, r.step_ms.max));
@@ -141,6 +144,7 @@ pub fn run(a: &RunArgs) -> Done {
         note(&format!("wrote {}", path.display()));
     }
     let report = simulation.finish();
+    report.warnings.iter().for_each(|w| note(&format!("warning: {w}")));
     warn_of_the_rest(&report);
     if a.json {
         print(&(report.json() + "\n"))?;

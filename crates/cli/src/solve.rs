@@ -206,7 +206,7 @@ fn in_vacuum(task: &Task) -> Done<Answer> {
             match angles_for_range(speed, *range, g.length())? {
                 Reach::Yes(both) if both.low == both.high => {
                     let velocity = flat(both.low, speed);
-                    yes(vec![report("only", velocity, Some(2.0 * velocity.y / g.length()))?])
+                    yes(vec![report(ONLY, velocity, Some(2.0 * velocity.y / g.length()))?])
                 }
                 Reach::Yes(both) => yes([("low", both.low), ("high", both.high)]
                     .into_iter()
@@ -268,8 +268,12 @@ fn through_air(task: &Task, air: &Air, vacuum: &Answer) -> Done<Answer> {
                 (Reach::Yes(shots), _) => yes(named(&shots)
                     .map(|(name, s)| report(&name, s.velocity, Some(s.time)))
                     .collect::<Done<_>>()?),
-                (Reach::No(_), Asked::Range(range)) => {
+                (Reach::No(miss), Asked::Range(range)) => {
                     let (shot, landing) = farthest_in_air(speed, g, DVec3::X, air)?;
+                    if landing.position.y.abs() > 1e-6 * range {
+                        // Lift or a wind keeps it up: there is no landing to be short.
+                        return Ok(no(&miss));
+                    }
                     let distance = landing.position.distance(DVec3::X * *range);
                     no(&Miss { distance, shot, closest: landing.position, speed_needed: None })
                 }
@@ -279,14 +283,17 @@ fn through_air(task: &Task, air: &Air, vacuum: &Answer) -> Done<Answer> {
     })
 }
 
+/// Name of a shot that is the only one.
+const ONLY: &str = "only";
+
 /// Two shots are the low and the high one; of any other number each has its place in time.
 fn named(shots: &[Shot]) -> impl Iterator<Item = (String, &Shot)> {
-    let two = shots.len() == 2;
     shots.iter().enumerate().map(move |(i, s)| {
-        let name = match (two, i) {
-            (true, 0) => "low".into(),
-            (true, _) => "high".into(),
-            (false, i) => format!("{}", i + 1),
+        let name = match (shots.len(), i) {
+            (1, _) => ONLY.into(),
+            (2, 0) => "low".into(),
+            (2, _) => "high".into(),
+            (_, i) => format!("{}", i + 1),
         };
         (name, s)
     })
@@ -300,7 +307,7 @@ fn no(miss: &Miss) -> Answer {
     let (angle_deg, azimuth_deg) = angles(miss.shot.velocity);
     let miss = MissReport {
         distance: miss.distance,
-        closest: miss.closest.to_array(),
+        closest: tidy(miss.closest, miss.shot.time * miss.shot.velocity.length()),
         time: miss.shot.time,
         angle_deg,
         azimuth_deg,
@@ -338,11 +345,17 @@ fn shot_report(
     }
 }
 
+/// A place at the end of a way that is so long: what is far below its rounding is none.
+fn tidy(place: DVec3, way: f64) -> [f64; 3] {
+    place.to_array().map(|x| if x.abs() <= 1e-14 * way { 0.0 } else { x })
+}
+
 fn moment(e: Event) -> Moment {
+    let position = tidy(e.position, e.time * e.velocity.length());
     Moment {
         time: e.time,
-        position: e.position.to_array(),
-        distance: e.position.x.hypot(e.position.z),
+        position,
+        distance: position[0].hypot(position[2]),
         speed: e.velocity.length(),
         angle_deg: angles(e.velocity).0,
     }
@@ -388,14 +401,25 @@ fn text(r: &Report) -> String {
             ]);
         }
         if let Some(m) = &answer.miss {
-            words += &format!(
-                "In {medium} it cannot be reached. The shot at {}° (azimuth {}°) comes within {} m, at {} after {} s.",
-                number(m.angle_deg),
-                number(m.azimuth_deg),
-                number(m.distance),
-                point(m.closest),
-                number(m.time)
-            );
+            words += &match r.question {
+                // On level ground what counts is where it lands; in space it may come nearer below the ground.
+                "range" | "slowest" if m.closest[1].abs() <= 1e-6 * m.closest[0].abs() => format!(
+                    "In {medium} it cannot be reached. The farthest landing, of the shot at {}°, is {} m short, at {} \
+                     after {} s.",
+                    number(m.angle_deg),
+                    number(m.distance),
+                    point(m.closest),
+                    number(m.time)
+                ),
+                _ => format!(
+                    "In {medium} it cannot be reached. The shot at {}° (azimuth {}°) comes within {} m, at {} after {} s.",
+                    number(m.angle_deg),
+                    number(m.azimuth_deg),
+                    number(m.distance),
+                    point(m.closest),
+                    number(m.time)
+                ),
+            };
             if let Some(s) = m.speed_needed {
                 words += &format!(" {} m/s would do.", number(s));
             }

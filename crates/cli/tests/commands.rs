@@ -435,3 +435,45 @@ fn a_reader_that_goes_away_is_no_mistake() {
         assert!(!err(&o).contains("panicked"), "{words:?}: {}", err(&o));
     }
 }
+
+/// These were taken, and did nothing.
+#[test]
+fn words_without_effect_are_refused() {
+    refused(&["render", "tests/data/drop.json", "-o", "x.png", "--every", "2"], &["films", ".gif"]);
+    refused(&["render", "tests/data/drop.json", "-o", "x.png", "--fps", "5"], &["films", ".gif"]);
+    refused(&["run", "tests/data/drop.json", "--every", "2"], &["--csv"]);
+    refused(&["check", "tests/data/drop.json", "--threads", "2"], &["--threads"]);
+    refused(&["run", "tests/data/drop.json", "--every", "0", "--csv", "x.csv"], &["1 or more"]);
+    refused(&["run", "tests/data/drop.json", "--threads", "0"], &["1 to 256"]);
+}
+
+#[test]
+fn an_unknown_topic_lists_each_topic_once() {
+    let o = jounce(&["verify", "nosuch"]);
+    let said = err(&o);
+    let list = said.split("one of the topics ").nth(1).expect("a list").trim();
+    let topics: Vec<&str> = list.split(", ").collect();
+    let mut once = topics.clone();
+    once.sort_unstable();
+    once.dedup();
+    assert!(topics.len() > 10 && once.len() == topics.len(), "{said}");
+}
+
+/// A name could clear the screen, or show another text than it is.
+#[test]
+fn names_reach_the_terminal_tame() {
+    let dir = folder("tame");
+    let file = dir.join("scene.json");
+    let scene = r#"{"jounce": 1, "name": "a\u001b[2J\nb\u202ec", "bodies": [],
+        "probes": {"p,q": {"world": "energy"}},
+        "expect": [{"name": "x\u001b[31m", "probe": "p,q", "at": 0.1, "value": 0, "tolerance": 1}]}"#;
+    std::fs::write(&file, scene).expect("written");
+    let o = jounce(&["run", text(&file), "--seconds", "0.2"]);
+    assert_eq!(code(&o), 0, "{}", err(&o));
+    let all = out(&o) + &err(&o);
+    assert!(!all.contains('\u{1b}') && !all.contains('\u{202e}') && all.contains("\\u{202e}"), "{all}");
+    // A probe whose name holds a comma can be plotted.
+    let plot = dir.join("p.svg");
+    let o = jounce(&["plot", text(&file), "--y", "p,q", "-o", text(&plot)]);
+    assert!(code(&o) == 0 && plot.is_file(), "{}", err(&o));
+}

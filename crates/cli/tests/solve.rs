@@ -81,7 +81,9 @@ fn what_cannot_be_reached_is_an_answer() {
     let o = solve("--speed 30 --range 100");
     let out = text(&o.stdout);
     assert!(o.status.code() == Some(0) && out.contains("cannot be reached"), "{out}");
-    assert!(out.contains("8.2569 m") && out.contains("31.321 m/s would do"), "{out}");
+    assert!(out.contains("8.2569 m short") && out.contains("31.321 m/s would do"), "{out}");
+    let out = text(&solve("--speed 30 --target 100,0,0").stdout);
+    assert!(out.contains("comes within 5.9014 m"), "{out}");
     let v = json(&format!("--speed 20 --apex 30 {FOOTBALL}"));
     near(&v["vacuum"]["miss"]["distance"], 30.0 - 400.0 / 19.62, 1e-9);
     assert_eq!(v["air"]["reachable"].as_bool(), Some(false));
@@ -138,6 +140,12 @@ fn mistakes_are_told() {
         ("--speed 30 --range 5 --mass 1", "no drag is given"),
         ("--speed 30 --range 5 --mass 0 --diameter 0.1 --drag 0.5", "above 0"),
         ("--speed 30 --apex 5 --moving 1,0,0", "cannot be used"),
+        ("--speed 30 --angle 45 --height 3", "cannot be used"),
+        ("--speed 30 --apex 5 --height 3", "cannot be used"),
+        ("--speed 30 --range 5 --launch-height 3", "cannot be used"),
+        ("--speed 30 --range 5 --gravity 1e-300", "1e-12 to 1e9"),
+        ("--speed 30 --range 5 --mass 1e-300 --diameter 0.1 --drag 0.5", "1e-12 to 1e9"),
+        ("--speed 30 --range 20 --mass 0.43 --diameter 0.22 --drag 0.25 --spin 0,0,1e9", "stopped after"),
     ] {
         let o = solve(words);
         let (out, err) = (text(&o.stdout), text(&o.stderr));
@@ -176,5 +184,39 @@ fn numbers_that_are_none_are_told() {
     {
         let o = solve(words);
         assert_eq!(o.status.code(), Some(0), "{words}: {}", text(&o.stderr));
+    }
+}
+
+/// A shot straight up landed 4.9e-15 m away, and a lone shot was called by two names.
+#[test]
+fn no_rounding_is_printed_and_a_lone_shot_has_one_name() {
+    let o = text(&solve(&format!("--speed 20 --angle 90 {FOOTBALL}")).stdout);
+    assert!(!o.contains("e-1"), "{o}");
+    for words in ["--range 40", "--range 40 --height 10", "--target 40,0,0"] {
+        let v = json(words);
+        assert_eq!(v["vacuum"]["shots"][0]["name"], "only", "{words}");
+    }
+}
+
+/// Each of these took from eight seconds to minutes.
+#[test]
+fn far_targets_and_stiff_drag_are_answered_soon() {
+    for words in [
+        "--speed 30 --range 1e6 --mass 0.43 --diameter 0.22 --drag 0.25",
+        "--speed 1e6 --range 1e6 --mass 0.43 --diameter 0.22 --drag 0.25",
+        "--speed 30 --range 5 --mass 1 --linear-drag 1e3",
+        "--speed 30 --range 40 --mass 1 --linear-drag 1e9",
+        "--speed 30 --apex 3 --mass 1 --linear-drag 1e6",
+        "--speed 30 --range 20 --mass 0.43 --diameter 0.22 --drag 0.25 --wind 0,1e3,0",
+    ] {
+        let start = std::time::Instant::now();
+        let v = json(words);
+        assert_eq!(v["air"]["reachable"].as_bool(), Some(false), "{words}");
+        let (left, y) = (&v["air"]["miss"]["distance"], &v["air"]["miss"]["closest"][1]);
+        assert!(left.as_f64().is_some_and(|d| d > 0.0), "{words}: {v}");
+        // Blown up by the wind, it is nearest at the start, not where it was last seen.
+        let near = !words.contains("wind") || left.as_f64().is_some_and(|d| d < 20.0);
+        assert!(near && y.as_f64().is_some_and(|y| y == 0.0 || y.abs() > 1e-12), "{words}: {v}");
+        assert!(start.elapsed().as_secs_f64() < 8.0, "{words}: {:?}", start.elapsed());
     }
 }

@@ -442,6 +442,8 @@ fn what_there_is_no_room_for_is_told() {
     assert_eq!(world.emitter(e).expect("alive").len(), 1000);
     assert!(world.events().contains(&Event::LimitReached { what: "particles" }));
     world.emit_burst(e, 5).expect("told, not refused");
+    let there = world.emitter(e).expect("alive");
+    assert_eq!((there.born(), there.unborn()), (1000, 166_666 - 1000 + 5), "only what lived was born");
     assert_eq!(world.counts().particles, 1000);
     let refused = world.emit_particles(e, vec![spawn([0.0; 3], [0.0; 3])]);
     assert!(matches!(refused, Err(Error::Limit { .. })));

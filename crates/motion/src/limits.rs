@@ -24,3 +24,5 @@ pub const OCTREE_DEPTH_MAX: usize = 48;
 pub const FLIGHT_STEPS_MAX: usize = 100_000;
 /// Longest flight that is followed, s.
 pub const FLIGHT_TIME_MAX_S: f64 = 100_000.0;
+/// Steps along all paths that a search for a shot through air follows: about a second.
+pub const SEARCH_STEPS_MAX: usize = 400_000;

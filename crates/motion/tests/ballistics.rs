@@ -303,10 +303,12 @@ fn what_is_blown_away_and_what_hardly_moves_come_to_an_end() {
     assert!(flight.landing().is_none() && flight.end().position.y > 1000.0);
     let target = Target::fixed(DVec3::new(5.0, -5.0, 0.0));
     assert!(aim_in_air(&target, 3.0, G, &feather).expect("numbers").no().is_some());
-    // Stopped within a micron: too stiff for the method, and still no hang.
+    // Stopped within a micron, and down again at a micron a second.
     let treacle = Air { mass: 1.0, linear: 1e7, ..Air::VACUUM };
     let flight = fly(&thrown(3.0, 0.5), &treacle, &floor()).expect("flies");
-    assert!(flight.landing().is_none() && flight.end().time > 0.0 && flight.end().position.length() < 1e-5);
+    let (landing, tau) = (flight.landing().expect("it sinks"), 1e-7);
+    assert!((landing.position.x / (3.0 * 0.5f64.cos() * tau) - 1.0).abs() < 1e-6, "{landing:?}");
+    assert!((landing.time / (3.0 * 0.5f64.sin() / 9.81 + tau) - 1.0).abs() < 1e-6, "{landing:?}");
 }
 
 #[test]
@@ -446,5 +448,104 @@ fn bad_input_is_refused() {
     for (d, speed) in [(1e-300, 1e-300), (1e150, 1.0), (1.0, 1e150), (1e-150, 1e150), (1e200, 1e200)] {
         let _ = aim(DVec3::X * d, speed, G);
         let _ = lead(&Target::moving(DVec3::X * d, DVec3::Y * speed), speed, G);
+    }
+}
+
+/// Every one of these took from seconds to minutes: a far target, or drag that no step could follow.
+#[test]
+fn far_targets_and_stiff_drag_are_answered_soon() {
+    let stiff = |b: f64| Air { linear: b, ..Air::VACUUM };
+    let ball = football();
+    let at = |x: f64, y: f64| Target::fixed(DVec3::new(x, y, 0.0));
+    let mote = Air::ball(1e-9, 5e-3, 0.5, 1.2).expect("air");
+    let asked = [
+        (at(1e5, 0.0), 30.0, ball),
+        (at(1e6, 0.0), 30.0, ball),
+        (at(1e6, 0.0), 1e6, ball),
+        (at(1e6, 1e6), 30.0, ball),
+        (at(1e39, 0.0), 30.0, ball),
+        (at(1e39, 0.0), 30.0, Air::VACUUM),
+        (at(5.0, 0.0), 30.0, stiff(1e3)),
+        (at(40.0, 0.0), 30.0, stiff(1e9)),
+        (at(40.0, 0.0), 30.0, stiff(1e30)),
+        (at(1.0, 0.0), 30.0, mote),
+        (Target::moving(DVec3::new(3.0, 3.0, 0.0), DVec3::X), 30.0, stiff(1e4)),
+        (at(200.0, 0.0), 30.0, ball.with_wind(DVec3::Y * 1e3)),
+    ];
+    for (target, speed, air) in asked {
+        let start = std::time::Instant::now();
+        let miss = aim_in_air(&target, speed, G, &air).expect("an answer").no().expect("out of reach");
+        assert!(start.elapsed().as_secs_f64() < 10.0, "{target:?} {air:?}: {:?}", start.elapsed());
+        let all = [miss.distance, miss.shot.time, miss.closest.length()];
+        assert!(all.iter().all(|x| x.is_finite()) && miss.distance > 0.0, "{target:?} {air:?}: {miss:?}");
+        // No nearer than the stopping distance allows.
+        if air.linear > 0.0 && target.velocity == DVec3::ZERO {
+            let reach = air.mass * speed / air.linear;
+            assert!(miss.closest.x <= reach * (1.0 + 1e-6), "{miss:?} beyond {reach}");
+            let sure = (target.position.x - miss.closest.x).abs() <= miss.distance * (1.0 + 1e-9);
+            assert!(sure && miss.distance >= (target.position.x - reach) * (1.0 - 1e-9), "{miss:?}");
+        }
+    }
+    // A shot down a deep well: reached, at its terminal speed.
+    let start = std::time::Instant::now();
+    let shots = aim_in_air(&at(20.0, -1e6), 30.0, G, &ball).expect("an answer").yes().expect("in reach");
+    let terminal = jounce_motion::force::terminal_speed(0.43 * 9.81, 0.0, ball.quadratic);
+    assert!(shots.iter().all(|s| (s.time * terminal / 1e6 - 1.0).abs() < 1e-3), "{shots:?}");
+    let shot = angle_for_height_in_air(30.0, 3.0, G, DVec3::X, &stiff(1e6)).expect("an answer");
+    assert!((shot.no().expect("too high").closest.y / 3e-5 - 1.0).abs() < 1e-3, "the stopping distance");
+    let (_, landing) = farthest_in_air(30.0, G, DVec3::X, &stiff(1e6)).expect("an answer");
+    assert!((landing.position.x / 3e-5 - 1.0).abs() < 1e-2, "{landing:?}");
+    // A path that turns a million times a second is not followed to its end: said, and soon.
+    let spun = ball.with_spin(DVec3::Z * 1e9);
+    let e = aim_in_air(&at(20.0, 0.0), 30.0, G, &spun).expect_err("too many turns").to_string();
+    assert!(
+        e.contains("it stopped after 400,000 steps") && jounce_motion::limits::SEARCH_STEPS_MAX == 400_000,
+        "{e}"
+    );
+    assert!(farthest_in_air(30.0, G, DVec3::X, &spun).is_err());
+    assert!(start.elapsed().as_secs_f64() < 20.0, "{:?}", start.elapsed());
+}
+
+#[test]
+fn linear_drag_of_any_stiffness_gives_its_closed_form() {
+    // x = v τ (1 − e^{−t/τ}), y the same about −g τ; τ = m/b.
+    for b in [0.1, 10.0, 1e3, 1e6, 1e12] {
+        let air = Air { linear: b, ..Air::VACUUM };
+        let tau = 1.0 / b;
+        let p = thrown(30.0, 0.7);
+        let v = p.launch_velocity();
+        let flight = fly(&p, &air, &Plane::new(DVec3::Y * -1e-3, DVec3::Y).expect("plane")).expect("flies");
+        for part in [0.1, 0.5, 0.9, 1.0] {
+            let e = flight.at(flight.end().time * part);
+            let faded = -(-e.time / tau).exp_m1();
+            let x = v.x * tau * faded;
+            let y = -9.81 * tau * e.time + (v.y + 9.81 * tau) * tau * faded;
+            assert!((e.position.x / x - 1.0).abs() < 1e-6, "{b} {part}: {} {x}", e.position.x);
+            assert!((e.position.y - y).abs() < 1e-6 * (y.abs() + 1e-3), "{b} {part}: {} {y}", e.position.y);
+        }
+    }
+}
+
+/// These came back as answers full of NaN and ∞.
+#[test]
+fn numbers_beyond_f64_are_refused_by_name() {
+    let far = DVec3::new(1e300, 1.0, 0.0);
+    let small = DVec3::new(1e-300, 1.0, 0.0);
+    let said = [
+        aim(far, 30.0, G).map(|_| ()),
+        aim(small, 1e-300, G).map(|_| ()),
+        slowest(far, G).map(|_| ()),
+        Projectile::new(DVec3::ZERO, far, G).map(|_| ()),
+        Projectile::new(DVec3::ZERO, DVec3::Y * 1e300, G).map(|_| ()),
+        Projectile::new(DVec3::ZERO, DVec3::Y * 1e80, DVec3::Y * -1e-80).map(|_| ()),
+        Projectile::new(DVec3::ZERO, DVec3::Y, DVec3::Y * -1e-300).map(|_| ()),
+        thrown(30.0, 0.7).falls_to(-1e308).map(|_| ()),
+        angle_for_height(1e300, 1e300, 1e300).map(|_| ()),
+        angles_for_range(30.0, 1e308, 1e10).map(|_| ()),
+        lead(&Target::moving(far, far), 30.0, G).map(|_| ()),
+    ];
+    for (i, answer) in said.into_iter().enumerate() {
+        let e = answer.expect_err(&format!("row {i} was taken")).to_string();
+        assert!(e.contains("expected") && e.contains("is "), "row {i}: {e}");
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures of a world, made by casting rays at it with the engine's own queries; films and plots.
 //!
 //! * [`render()`]: a [`Camera`], a world (as a [`Stage`]; any [`Tracer`]) and an [`Overlay`] give an [`Image`].
-//! * [`render_with()`] also draws [`Extras`]: particles, smoke, fire, springs, trails, cloth.
+//! * [`render_with()`] also draws [`Extras`]: particles, smoke, fire, springs, trails, cloth, water.
 //! * [`add_joint()`]: rods, ropes, springs and axes of a world's joints, for the extras.
 //! * [`add_vehicle()`], [`add_character()`]: wheels, tracks, boards and faces, for the extras.
 //! * [`Trails`]: where moving points have been.
@@ -26,6 +26,7 @@ mod render;
 mod text;
 mod tracer;
 mod trails;
+mod water;
 mod world;
 
 pub use camera::Camera;
@@ -42,6 +43,7 @@ pub use render::{RenderOptions, render, render_with};
 pub use text::draw as draw_text;
 pub use tracer::{Hit, Tracer};
 pub use trails::Trails;
+pub use water::Water;
 pub use world::{Paint, Stage, contact_overlay, default_skin, sensor_overlay};
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ use crate::look::{Encoder, Look, Spot};
 use crate::overlay::Overlay;
 use crate::parallel::rows;
 use crate::tracer::{Hit, Tracer};
+use crate::water::Waters;
 use jounce::math::scalar::f32s;
 use jounce::math::{DVec3, Vec3};
 
@@ -160,6 +161,7 @@ struct Frame<'a, T> {
     scene: &'a T,
     /// What there is beside the scene's shapes.
     props: Option<Props>,
+    waters: Waters,
     view: View,
     look: &'a Look,
     width: usize,
@@ -201,6 +203,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
         Self {
             scene,
             props,
+            waters: Waters::new(&extras.waters, &view, focus),
             view,
             look,
             width: options.width as usize,
@@ -314,7 +317,7 @@ impl<'a, T: Tracer> Frame<'a, T> {
 
     /// Display colour along a ray through pixel `at` that ends at `p`.
     fn color(&self, at: (usize, usize), p: &Pixel, dir: Vec3, light: Light, bag: &mut Bag) -> Vec3 {
-        let behind = self.radiance(p, dir, light);
+        let behind = self.waters.over(self.radiance(p, dir, light), dir, p.t);
         let light = match &self.props {
             Some(props) => props.over(behind, at, dir, p.t, self.look.sun, bag),
             None => behind,

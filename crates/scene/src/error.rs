@@ -42,7 +42,11 @@ impl std::fmt::Display for Fault {
 
 /// Names from a file may hold line breaks and control characters; a message is one line.
 fn one_line(text: &str) -> String {
-    let escape = |c: char| if c.is_control() { c.escape_default().collect() } else { String::from(c) };
+    // What turns the reading direction would show another text than there is.
+    let turns =
+        |c: char| matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let escape =
+        |c: char| if c.is_control() || turns(c) { c.escape_default().collect() } else { String::from(c) };
     text.chars().map(escape).collect()
 }
 
@@ -77,6 +81,14 @@ pub enum SceneError {
 }
 
 impl SceneError {
+    /// Says which entry of the file asked for what was refused.
+    pub(crate) fn within(mut self, entry: &str) -> Self {
+        if let Self::Run { message, .. } = &mut self {
+            *message = format!("{entry}: {message}");
+        }
+        self
+    }
+
     /// The place, where there is one.
     pub fn fault(&self) -> Option<&Fault> {
         match self {

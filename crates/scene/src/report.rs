@@ -25,7 +25,7 @@ pub struct Report {
     pub contacts: usize,
     /// Awake bodies at the end.
     pub awake: usize,
-    /// Time that the engine's steps took, ms.
+    /// Time that the steps took, of the engine and of the systems of points and springs, ms.
     pub step_ms: StepMs,
     /// Mechanical energy, J.
     pub energy: StartEnd,
@@ -35,6 +35,9 @@ pub struct Report {
     pub hash: String,
     /// All expectations, in the order of the file.
     pub expectations: Vec<Expectation>,
+    /// Limits that were reached and systems that stopped, each once with the time of the first.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// Wall-clock time of steps, ms.
@@ -130,6 +133,7 @@ impl Report {
             momentum: Momentum { linear: p.linear.to_array(), angular: p.angular.to_array() },
             hash: format!("{:#018x}", world.hash()),
             expectations: judges.iter().zip(&scene.spec.expect).map(|(j, e)| j.expectation(e)).collect(),
+            warnings: Vec::new(),
         }
     }
 
@@ -197,9 +201,9 @@ impl Judge {
     fn expectation(&self, spec: &ExpectSpec) -> Expectation {
         let expected = match (spec.value, spec.min, spec.max) {
             (Some(v), ..) => Expected::Value(v),
-            (None, Some(a), Some(b)) => Expected::Range(format!("{a} … {b}")),
-            (None, Some(a), None) => Expected::Range(format!("≥ {a}")),
-            (None, None, b) => Expected::Range(format!("≤ {}", b.unwrap_or(f64::INFINITY))),
+            (None, Some(a), Some(b)) => Expected::Range(format!("{} … {}", short(a), short(b))),
+            (None, Some(a), None) => Expected::Range(format!("≥ {}", short(a))),
+            (None, None, b) => Expected::Range(format!("≤ {}", short(b.unwrap_or(f64::INFINITY)))),
         };
         Expectation {
             name: spec.name.clone(),
@@ -211,6 +215,15 @@ impl Judge {
             source: spec.source.clone(),
             pass: self.reached.then(|| !self.missing && self.worst.is_some_and(|(_, off)| off <= 0.0)),
         }
+    }
+}
+
+/// A number without a row of zeros.
+fn short(v: f64) -> String {
+    if v != 0.0 && v.is_finite() && !(1e-4..1e9).contains(&v.abs()) {
+        format!("{v:e}")
+    } else {
+        v.to_string()
     }
 }
 
@@ -252,5 +265,19 @@ impl StepTimes {
             sorted.get(n.min(sorted.len().saturating_sub(1))).copied().unwrap_or(0.0)
         };
         StepMs { median: at(0.5), p95: at(0.95), max: self.max }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn ranges_are_short_and_true() {
+        for (v, text) in
+            [(-1e-9, "-1e-9"), (0.0, "0"), (0.15, "0.15"), (2.5e12, "2.5e12"), (f64::INFINITY, "inf")]
+        {
+            assert_eq!(short(v), text);
+        }
     }
 }

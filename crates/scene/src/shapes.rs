@@ -34,6 +34,10 @@ pub(crate) struct Library {
     parts: Vec<(DecomposeSpec, Arc<Compound>)>,
 }
 
+fn article(what: &str) -> &'static str {
+    if what.starts_with(['a', 'e', 'i', 'o']) { "an" } else { "a" }
+}
+
 /// An unknown name, with a guess.
 pub(crate) fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'a str> + Clone) -> Wrong {
     let mut list: Vec<&str> = known.clone().take(9).collect();
@@ -41,9 +45,9 @@ pub(crate) fn unknown<'a>(what: &str, name: &str, known: impl Iterator<Item = &'
         list[8] = "…";
     }
     let expected = if list.is_empty() {
-        format!("the name of a {what}; the scene has none")
+        format!("the name of {} {what}; the scene has none", article(what))
     } else {
-        format!("the name of a {what}: {}", list.join(", "))
+        format!("the name of {} {what}: {}", article(what), list.join(", "))
     };
     Wrong::new(format!("there is no {what} \"{name}\""), expected).suggest(closest(name, known))
 }

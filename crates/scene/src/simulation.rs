@@ -16,8 +16,8 @@ use crate::vehicles::{Chassis, Driver, VehicleGroup, VehicleRecords, input, towa
 use jounce::math::{Quat, Vec3, WorldPose};
 use jounce::tasks::Tasks;
 use jounce::{
-    BodyId, Command, EmitterId, FieldDesc, FieldId, FieldLaw, JointId, JointRef, StateHasher, VehicleId,
-    VehicleInput, World,
+    BodyId, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, StateHasher,
+    VehicleId, VehicleInput, World,
 };
 use std::time::Instant;
 
@@ -59,8 +59,18 @@ pub struct Simulation {
     samples: Samples,
     judges: Vec<Judge>,
     times: StepTimes,
+    warnings: Warnings,
     start_energy: f64,
     palette: usize,
+}
+
+/// What was said, and of what it needs not be said again.
+#[derive(Clone, Default)]
+struct Warnings {
+    said: Vec<String>,
+    systems: Vec<bool>,
+    emitters: Vec<bool>,
+    limits: Vec<&'static str>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -116,6 +126,7 @@ impl Simulation {
                 .map(|(e, spec)| Judge::new(e, spec))
                 .collect(),
             times: StepTimes::default(),
+            warnings: Warnings::default(),
             start_energy: 0.0,
             palette: 0,
             scene: scene.clone(),
@@ -150,11 +161,12 @@ impl Simulation {
         self.look_ahead()?;
         let start = Instant::now();
         let stepped = self.world.step();
-        self.times.add(start.elapsed().as_secs_f64() * 1e3);
         stepped.map_err(|e| self.refused(&e))?;
         for s in &mut self.systems {
             s.advance(&self.world);
         }
+        self.times.add(start.elapsed().as_secs_f64() * 1e3);
+        self.warn();
         // What an action causes at once (a contact that ends by a removal) is at the head of the step's list.
         self.counts.add(&self.scene.probes, &self.records, &self.world);
         self.sample();
@@ -236,7 +248,53 @@ impl Simulation {
             self.systems.iter().for_each(|s| s.hash(&mut h));
             report.hash = format!("{:#018x}", h.finish());
         }
+        report.warnings = self.warnings.said.clone();
         report
+    }
+
+    /// Limits that were reached and systems that stopped, each once with the time of the first.
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings.said
+    }
+
+    /// Notes what a reader of the numbers has to know.
+    fn warn(&mut self) {
+        let t = self.world.time();
+        let w = &mut self.warnings;
+        w.systems.resize(self.systems.len(), false);
+        for (told, s) in w.systems.iter_mut().zip(&self.systems) {
+            if let Some(stopped) = s.failed_at().filter(|_| !*told) {
+                *told = true;
+                let why = "its numbers were no longer finite; it stands still since then. Shorten its step_s, or take \
+                           the method implicit_euler";
+                w.said.push(format!("system \"{}\" stopped at t = {stopped:.6} s: {why}", s.name()));
+            }
+        }
+        w.emitters.resize(self.emitters.len(), false);
+        for (n, told) in w.emitters.iter_mut().enumerate().filter(|(_, told)| !**told) {
+            let full = |e: &&EmitterId| self.world.emitter(**e).is_ok_and(|e| e.unborn() > 0);
+            let Some(id) = self.emitters[n].iter().find(full) else { continue };
+            *told = true;
+            let room = self.world.emitter(*id).map_or(0, |e| e.desc().max_particles);
+            let name = match self.scene.emitters.get(n).and_then(|e| e.name.as_ref()) {
+                Some(name) => format!("emitter \"{name}\""),
+                None => format!("emitters[{n}]"),
+            };
+            let all = jounce::limits::PARTICLES_MAX;
+            w.said.push(format!(
+                "{name} had no room for more particles at t = {t:.6} s: its max_particles is {room}, all emitters \
+                 together hold {all}; it goes on without the rest"
+            ));
+        }
+        for e in self.world.events() {
+            let Event::LimitReached { what } = *e else { continue };
+            if what != "particles" && !w.limits.contains(&what) {
+                w.limits.push(what);
+                w.said.push(format!(
+                    "the limit of {what} was reached at t = {t:.6} s; the run went on without the excess"
+                ));
+            }
+        }
     }
 
     fn refused(&self, e: &jounce::Error) -> SceneError {
@@ -453,7 +511,7 @@ impl Simulation {
             let done =
                 timeline.get(due.entry).map_or(Ok(()), |e| self.action(&e.action, due.occurrence, now));
             self.scene.timeline = timeline;
-            done?;
+            done.map_err(|e| e.within(&format!("timeline[{}]", due.entry)))?;
         }
         self.go_on(now)
     }

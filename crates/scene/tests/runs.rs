@@ -224,6 +224,73 @@ fn refusals_while_running_name_the_time() {
     let mut sim = Simulation::new(&s, Tasks::serial()).expect("starts");
     let e = (0..60).find_map(|_| sim.step().err()).expect("faster than any body may be");
     assert!(matches!(&e, SceneError::Run { time, .. } if (*time - 0.5).abs() < 1e-9), "{e}");
+    assert!(e.to_string().contains("timeline[0]"), "which entry: {e}");
+}
+
+/// It stood still 8e35 m away, and nothing said so.
+#[test]
+fn a_system_whose_numbers_blow_up_is_told_once() {
+    let (s, r) = run_for(
+        Some(1.0),
+        r#"{"jounce": 1, "systems": [{"name": "stiff", "method": "explicit_euler",
+            "points": [{"position": [0, 0, 0]}, {"position": [1, 0, 0]}],
+            "springs": [{"ends": [0, 1], "stiffness": 1e9, "length": 0.5}]}]}"#,
+    );
+    let stopped = s.systems()[0].failed_at().expect("it blows up");
+    assert_eq!(r.warnings.len(), 1, "{:?}", r.warnings);
+    let said = &r.warnings[0];
+    assert!(said.contains("system \"stiff\" stopped at t = ") && stopped < 1.0, "{said}");
+    assert!(said.contains(&format!("{stopped:.6}")) && said.contains("implicit_euler"), "{said}");
+}
+
+/// The particles that there was no room for were counted as born, and nothing said that they were not.
+#[test]
+fn emitters_without_room_are_told_once_and_count_what_lived() {
+    let (s, r) = run_for(
+        Some(0.5),
+        r#"{"jounce": 1, "emitters": [
+            {"name": "flood", "rate": 1e7, "max_particles": 1000, "lifetime_s": [100, 100]},
+            {"name": "drip", "rate": 10, "lifetime_s": [100, 100]}],
+        "timeline": [{"at": 0.25, "emit": {"emitter": "flood", "count": 4294967295}}],
+        "probes": {"flood": {"emitter": "flood", "value": "born"}, "drip": {"emitter": "drip", "value": "born"}}}"#,
+    );
+    assert_eq!(s.values(), [1000.0, 5.0]);
+    assert_eq!((r.particles, r.warnings.len()), (1005, 1), "{:?}", r.warnings);
+    let said = &r.warnings[0];
+    assert!(
+        said.contains("emitter \"flood\"") && said.contains("1000") && said.contains("t = 0.016667"),
+        "{said}"
+    );
+}
+
+/// It was −∞, or NaN without a pull.
+#[test]
+fn a_body_at_the_centre_of_a_point_field_has_an_energy() {
+    for mu in ["0", "1"] {
+        let text = r#"{"jounce": 1, "gravity": [0, 0, 0], "fields": [{"point": {"center": [0, 2, 0], "mu": MU}}],
+            "bodies": [{"type": "dynamic", "position": [0, 2, 0], "shapes": [{"sphere": {"radius": 0.5}, "mass": 1}]}]}"#;
+        let (_, r) = run_for(Some(0.1), &text.replace("MU", mu));
+        assert_eq!((r.energy.start, r.energy.end), (0.0, 0.0), "mu {mu}");
+    }
+}
+
+/// A step's time left out that of the systems, so that a cloth of minutes took no time at all.
+#[test]
+fn the_time_of_a_step_counts_its_systems() {
+    let begin = std::time::Instant::now();
+    let (_, r) = run_for(
+        Some(0.1),
+        r#"{"jounce": 1, "systems": [{"name": "sheet", "method": "rk4",
+            "cloth": {"columns": 60, "rows": 60, "origin": [0, 0, 0], "across": [1, 0, 0], "down": [0, -1, 0], "mass": 1,
+                      "structural": {"stiffness": 100}}}]}"#,
+    );
+    let all = begin.elapsed().as_secs_f64() * 1e3;
+    assert!(
+        r.step_ms.median * r.steps as f64 > 0.3 * all,
+        "{:?} of {all} ms in {} steps",
+        r.step_ms,
+        r.steps
+    );
 }
 
 /// A prism with a side in the shape of an L, volume 3.

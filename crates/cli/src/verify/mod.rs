@@ -96,8 +96,12 @@ pub(crate) fn verify(a: &VerifyArgs) -> Done {
         .filter(|l| l.topic.to_lowercase().contains(&filter) || l.name.to_lowercase().contains(&filter))
         .collect();
     if chosen.is_empty() && !filter.is_empty() {
-        let mut topics: Vec<&str> = LAWS.iter().flat_map(|laws| laws.iter().map(|l| l.topic)).collect();
-        topics.dedup();
+        let mut topics: Vec<&str> = Vec::new();
+        for topic in LAWS.iter().flat_map(|laws| laws.iter().map(|l| l.topic)) {
+            if !topics.contains(&topic) {
+                topics.push(topic);
+            }
+        }
         return Err(Failure::bad(format!(
             "no law or topic holds \"{filter}\"; expected a part of a law's name or one of the topics {}",
             topics.join(", ")

@@ -108,6 +108,7 @@ fn prepare(
     let over = ends(&particles.emitters[slot], world.rate_hz);
     let e = &mut particles.emitters[slot];
     (e.clock, e.serial) = (e.clock + 1, e.serial + wanted);
+    e.unborn += wanted - born as u64;
     if over {
         finish(world, e, slot);
     }

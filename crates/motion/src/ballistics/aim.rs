@@ -88,6 +88,60 @@ pub struct Angles {
     pub high: f64,
 }
 
+/// An answer whose every number is one; else the question is refused, by its numbers.
+trait Usable: Sized {
+    fn is_finite(&self) -> bool;
+
+    /// `fields` names the numbers that were given, in their order.
+    fn checked(self, fields: &'static str, given: impl core::fmt::Debug) -> Result<Self> {
+        let expected = "numbers whose squares and products f64 can hold";
+        check(self.is_finite(), "projectile", fields, given, expected)?;
+        Ok(self)
+    }
+}
+
+impl Usable for f64 {
+    fn is_finite(&self) -> bool {
+        f64::is_finite(*self)
+    }
+}
+
+impl Usable for Shot {
+    fn is_finite(&self) -> bool {
+        self.velocity.is_finite() && self.angle.is_finite() && self.time.is_finite()
+    }
+}
+
+impl Usable for Shots {
+    fn is_finite(&self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+}
+
+impl Usable for Angles {
+    fn is_finite(&self) -> bool {
+        self.low.is_finite() && self.high.is_finite()
+    }
+}
+
+impl Usable for Vec<Shot> {
+    fn is_finite(&self) -> bool {
+        self.iter().all(Usable::is_finite)
+    }
+}
+
+impl<T: Usable> Usable for Reach<T> {
+    fn is_finite(&self) -> bool {
+        match self {
+            Self::Yes(answer) => answer.is_finite(),
+            Self::No(m) => {
+                let needed = m.speed_needed.is_none_or(f64::is_finite);
+                needed && m.distance.is_finite() && m.closest.is_finite() && m.shot.is_finite()
+            }
+        }
+    }
+}
+
 /// Something to hit, as seen from the launch.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Target {
@@ -149,15 +203,16 @@ pub fn angles_for_range(speed: f64, range: f64, g: f64) -> Result<Reach<Angles>>
     if sine > 1.0 + 4.0 * f64::EPSILON {
         let half = speed * 0.5f64.sqrt();
         let velocity = DVec3::new(half, half, 0.0);
-        return Ok(Reach::No(Miss {
+        return Reach::No(Miss {
             distance: range - farthest,
             shot: Shot { velocity, angle: 0.5 * FRAC_PI_2, time: 2.0 * half / g },
             closest: DVec3::X * farthest,
             speed_needed: Some((range * g).sqrt()),
-        }));
+        })
+        .checked("range, speed, gravity", (range, speed, g));
     }
     let low = 0.5 * asin(clamp(sine, 0.0, 1.0));
-    Ok(Reach::Yes(Angles { low, high: FRAC_PI_2 - low }))
+    Reach::Yes(Angles { low, high: FRAC_PI_2 - low }).checked("range, speed, gravity", (range, speed, g))
 }
 
 /// Launch angle in rad whose apex is `height` in m above the launch: asin(√(2 g h)/s). Above s²/2g the answer is the
@@ -179,14 +234,15 @@ pub fn angle_for_height(speed: f64, height: f64, g: f64) -> Result<Reach<f64>> {
     let sine = needed / speed;
     if sine > 1.0 + 4.0 * f64::EPSILON {
         let highest = speed * speed / (2.0 * g);
-        return Ok(Reach::No(Miss {
+        return Reach::No(Miss {
             distance: height - highest,
             shot: Shot { velocity: DVec3::Y * speed, angle: FRAC_PI_2, time: speed / g },
             closest: DVec3::Y * highest,
             speed_needed: Some(needed),
-        }));
+        })
+        .checked("height, speed, gravity", (height, speed, g));
     }
-    Ok(Reach::Yes(asin(clamp(sine, 0.0, 1.0))))
+    Reach::Yes(asin(clamp(sine, 0.0, 1.0))).checked("height, speed, gravity", (height, speed, g))
 }
 
 /// Both shots at a fixed target, at `to_target` in m from the launch, with `speed` in m/s under `gravity` in m/s². Without
@@ -217,14 +273,17 @@ pub fn aim(to_target: DVec3, speed: f64, gravity: DVec3) -> Result<Reach<Shots>>
     // Within rounding of the parabola of safety counts as on it.
     let edge = 8.0 * f64::EPSILON * (speed * speed + drop.abs() + g * d);
     if b - g * d < -edge {
-        return Ok(Reach::No(nearest_on_parabola(to_target, speed, gravity)));
+        let miss = nearest_on_parabola(to_target, speed, gravity);
+        return Reach::No(miss)
+            .checked("speed, target, gravity", (speed, to_target.to_array(), gravity.to_array()));
     }
     let root = (max(b - g * d, 0.0) * max(b + g * d, 0.0)).sqrt();
     let shot = |t: f64| Shot::new(to_target / t - gravity * (0.5 * t), up(gravity), t);
     // Their product is 4 d²/g⁴: the smaller one without its cancellation.
     let low = shot((2.0 / (b + root)).sqrt() * d);
     let high = if g > 0.0 { shot((2.0 * (b + root)).sqrt() / g) } else { low };
-    Ok(Reach::Yes(Shots { low, high }))
+    Reach::Yes(Shots { low, high })
+        .checked("speed, target, gravity", (speed, to_target.to_array(), gravity.to_array()))
 }
 
 /// The point of the parabola of safety that is nearest to a target beyond it, and the shot that touches it.
@@ -268,7 +327,8 @@ pub fn slowest(to_target: DVec3, gravity: DVec3) -> Result<Shot> {
     check_gravity(gravity)?;
     Target::fixed(to_target).check()?;
     let t = (2.0 * to_target.length() / gravity.length()).sqrt();
-    Ok(Shot::new(to_target / t - gravity * (0.5 * t), up(gravity), t))
+    let shot = Shot::new(to_target / t - gravity * (0.5 * t), up(gravity), t);
+    shot.checked("target, gravity", (to_target.to_array(), gravity.to_array()))
 }
 
 /// All shots of `speed` in m/s that meet a moving target, the earliest first: up to four.
@@ -316,9 +376,10 @@ pub fn lead(target: &Target, speed: f64, gravity: DVec3) -> Result<Reach<Vec<Sho
     let roots = real_roots(&meets, bound(&meets));
     let shots: Vec<Shot> = roots.into_iter().filter(|&z| z > 0.0).map(shot).collect();
     if !shots.is_empty() {
-        return Ok(Reach::Yes(shots));
+        return Reach::Yes(shots).checked("speed, target, gravity", (speed, target, gravity.to_array()));
     }
-    Ok(Reach::No(nearest_meeting(target, speed, gravity, &q, scale)))
+    let miss: Reach<Vec<Shot>> = Reach::No(nearest_meeting(target, speed, gravity, &q, scale));
+    miss.checked("speed, target, gravity", (speed, target, gravity.to_array()))
 }
 
 /// A number above every positive root (Cauchy), as far as it matters: times are in units of a straight shot's.

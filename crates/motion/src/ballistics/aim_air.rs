@@ -11,7 +11,7 @@
 //! takes each to rounding.
 
 use super::aim::{Miss, Reach, Shot, Target, aim, lead};
-use super::air::{Air, Path, Segment};
+use super::air::{Air, Budget, Path, Segment};
 use super::roots::golden;
 use super::{Event, check_gravity, up};
 use crate::error::{Error, Result, check, positive};
@@ -42,7 +42,8 @@ const TRIES: usize = 180;
 ///
 /// # Errors
 /// [`Error::BadValue`] for a target at the launch, a speed not above 0, no gravity or an air that is not usable,
-/// [`Error::Unsupported`] for a target that accelerates.
+/// [`Error::Unsupported`] for a target that accelerates, [`Error::Failed`] where the paths turn too fast to be searched
+/// within [`SEARCH_STEPS_MAX`](crate::limits::SEARCH_STEPS_MAX).
 pub fn aim_in_air(target: &Target, speed: f64, gravity: DVec3, air: &Air) -> Result<Reach<Vec<Shot>>> {
     positive("projectile", "speed", speed)?;
     check_gravity(gravity)?;
@@ -104,6 +105,7 @@ struct Range {
     forward: DVec3,
     up: DVec3,
     left: DVec3,
+    budget: Budget,
 }
 
 impl Range {
@@ -130,6 +132,7 @@ impl Range {
             forward,
             up,
             left: up.cross(forward),
+            budget: Budget::new(),
         })
     }
 
@@ -170,7 +173,7 @@ impl Range {
                 let e = path.now();
                 return Ok(Some(Pass { over: -ahead(&e).abs(), side: side(&e) }));
             }
-            let segment = path.step(FLIGHT_TIME_MAX_S)?;
+            let segment = path.step_within(FLIGHT_TIME_MAX_S, &self.budget)?;
             let crossed = segment.falls(ahead);
             let fallen = segment.falls(above);
             match (crossed, fallen) {
@@ -331,7 +334,7 @@ impl Range {
             if path.now().time >= time {
                 break;
             }
-            path.step(time)?;
+            path.step_within(time, &self.budget)?;
         }
         Ok(path.now())
     }
@@ -358,7 +361,7 @@ impl Range {
             let above = |e: &Event| e.position.dot(self.up) - self.height;
             let mut times = Vec::new();
             for _ in 0..FLIGHT_STEPS_MAX {
-                let s = path.step(FLIGHT_TIME_MAX_S)?;
+                let s = path.step_within(FLIGHT_TIME_MAX_S, &self.budget)?;
                 times.extend(s.falls(|e| -above(e)).map(|e| e.time));
                 times.extend(s.falls(above).map(|e| e.time));
                 if self.is_past(&path.now()) || path.now().time >= FLIGHT_TIME_MAX_S {
@@ -378,7 +381,7 @@ impl Range {
         let distance = |e: &Event| (e.position - self.to).length();
         let mut best = path.now();
         for _ in 0..FLIGHT_STEPS_MAX {
-            let segment = path.step(FLIGHT_TIME_MAX_S)?;
+            let segment = path.step_within(FLIGHT_TIME_MAX_S, &self.budget)?;
             let e = nearest_of(&segment, distance);
             if distance(&e) < distance(&best) {
                 best = e;

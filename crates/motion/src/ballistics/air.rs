@@ -5,18 +5,23 @@
 //! u: velocity relative to the air, m/s; w wind, m/s; b linear drag, kg/s; c quadratic drag, kg/m; ω spin, rad/s, kept
 //! through the flight. Followed by Dormand–Prince to 1e-10 of the state; apex and landing are found on its polynomials
 //! between the steps.
+//!
+//! v′ depends on v alone, and drag pulls neighbouring velocities together at λ = (b + c |u|)/m and more. No step is
+//! longer than 1/λ, so that stiff drag costs some dozens of steps and no stability; and once v′ has died away v stays
+//! for good: the rest of the flight is a straight line, followed in steps of any length.
 
 use super::aim::{Miss, Reach, Shot};
 use super::roots::{bisect, golden};
 use super::{Event, Projectile, check_gravity, up};
 use crate::collide::Plane;
-use crate::error::{Result, bad, finite_vector, not_negative, positive};
+use crate::error::{Error, Result, bad, check, finite_vector, not_negative, positive};
 use crate::force;
 use crate::integrate::{Dopri5, Options, dense_value};
-use crate::limits::{FLIGHT_STEPS_MAX, FLIGHT_TIME_MAX_S};
+use crate::limits::{FLIGHT_STEPS_MAX, FLIGHT_TIME_MAX_S, SEARCH_STEPS_MAX};
+use core::cell::Cell;
 use core::f64::consts::{FRAC_PI_2, PI};
 use jounce_math::DVec3;
-use jounce_math::scalar::f64s::{clamp, cos, max, sin};
+use jounce_math::scalar::f64s::{clamp, cos, max, min, sin};
 
 /// How spin lifts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -110,6 +115,11 @@ impl Air {
         (drag + lift) / self.mass
     }
 
+    /// λ, 1/s, at a velocity in m/s: the least rate at which drag brings neighbouring velocities together.
+    fn rate(&self, velocity: DVec3) -> f64 {
+        (self.linear + self.quadratic * (velocity - self.wind).length()) / self.mass
+    }
+
     pub(super) fn lifts(&self) -> bool {
         self.lift != Lift::None && self.spin != DVec3::ZERO
     }
@@ -175,29 +185,84 @@ impl Segment {
     }
 }
 
+/// What a search may still spend: steps along all its paths together.
+#[derive(Debug)]
+pub(super) struct Budget(Cell<usize>);
+
+impl Budget {
+    pub(super) fn new() -> Self {
+        Self(Cell::new(SEARCH_STEPS_MAX))
+    }
+
+    fn spend(&self, path: &Path) -> Result<()> {
+        let left = self.0.get();
+        if left == 0 {
+            return Err(Error::Failed {
+                what: "search for a shot through air",
+                time: path.now().time,
+                advice: "it stopped after 400,000 steps along its paths, this far into one of them; give less spin, \
+                         or a nearer target",
+            });
+        }
+        self.0.set(left - 1);
+        Ok(())
+    }
+}
+
 /// A projectile under way.
 #[derive(Clone, Debug)]
 pub(super) struct Path<'a> {
     air: &'a Air,
     gravity: DVec3,
     solver: Dopri5<DVec3>,
+    /// Longest step that is allowed at the speed of the launch, s.
+    character: f64,
+    /// From here on it goes straight on.
+    settled: Option<Event>,
 }
 
 impl<'a> Path<'a> {
     pub(super) fn new(air: &'a Air, start: DVec3, velocity: DVec3, gravity: DVec3) -> Result<Self> {
-        // Where the air does next to nothing a step would be as long as the flight, and events would hide in it.
-        let character = (velocity.length() + air.wind.length()) / gravity.length();
-        let options = Options { dt_max: max(0.125 * character, 0.01), dt_min: 1e-12, ..Options::default() };
-        Ok(Self { air, gravity, solver: Dopri5::new(0.0, &[start, velocity], options)? })
+        let dt_min = max(min(1e-12, 1e-6 / air.rate(velocity)), f64::MIN_POSITIVE);
+        let options = Options { dt_min, ..Options::default() };
+        let solver = Dopri5::new(0.0, &[start, velocity], options)?;
+        let mut path = Self { air, gravity, solver, character: 0.0, settled: None };
+        path.character = path.part_of_turn(velocity);
+        Ok(path)
+    }
+
+    /// Where the air does next to nothing a step would be as long as the flight, and events would hide in it.
+    fn part_of_turn(&self, velocity: DVec3) -> f64 {
+        max(0.125 * (velocity.length() + self.air.wind.length()) / self.gravity.length(), 0.01)
     }
 
     /// One step, not beyond `until`.
     pub(super) fn step(&mut self, until: f64) -> Result<Segment> {
+        if let Some(e) = self.settled {
+            return Ok(self.straight_on(e, until));
+        }
         let (air, gravity) = (self.air, self.gravity);
-        self.solver.step(until, &mut |_: f64, y: &[DVec3], dy: &mut [DVec3]| {
+        let before = self.now();
+        let rate = air.rate(before.velocity);
+        let longest = min(max(self.character, self.part_of_turn(before.velocity)), 1.0 / rate);
+        let near = before.time + longest;
+        let until = if near > before.time { min(until, near) } else { until };
+        let stepped = self.solver.step(until, &mut |_: f64, y: &[DVec3], dy: &mut [DVec3]| {
             dy[0] = y[1];
             dy[1] = gravity + air.acceleration(y[1]);
+        });
+        stepped.map_err(|_| Error::Failed {
+            what: "flight through air",
+            time: before.time,
+            advice: "its numbers do not stay finite; give a mass, speed, drag or spin nearer to a real one",
         })?;
+        let now = self.now();
+        let left = (gravity + air.acceleration(now.velocity)).length();
+        // The second term is what the rounding of u makes of it.
+        let noise = 8.0 * f64::EPSILON * air.rate(now.velocity) * (now.velocity.length() + air.wind.length());
+        if left <= 1e-12 * gravity.length() + noise {
+            self.settled = Some(now);
+        }
         let start = self.solver.time_before();
         Ok(Segment {
             start,
@@ -207,9 +272,29 @@ impl<'a> Path<'a> {
         })
     }
 
+    /// A step at constant velocity, as long as the flight has been so far.
+    fn straight_on(&mut self, e: Event, until: f64) -> Segment {
+        let end = max(min(until, 2.0 * e.time), e.time);
+        let (length, none) = (end - e.time, DVec3::ZERO);
+        let way = e.velocity * length;
+        self.settled = Some(Event { time: end, position: e.position + way, velocity: e.velocity });
+        Segment {
+            start: e.time,
+            length,
+            position: [e.position, way, none, none, none],
+            velocity: [e.velocity, none, none, none, none],
+        }
+    }
+
+    /// The same within what a search may spend.
+    pub(super) fn step_within(&mut self, until: f64, budget: &Budget) -> Result<Segment> {
+        budget.spend(self)?;
+        self.step(until)
+    }
+
     pub(super) fn now(&self) -> Event {
         let y = self.solver.state();
-        Event { time: self.solver.time(), position: y[0], velocity: y[1] }
+        self.settled.unwrap_or(Event { time: self.solver.time(), position: y[0], velocity: y[1] })
     }
 }
 
@@ -266,6 +351,10 @@ impl Flight {
 /// [`Error::BadValue`](crate::Error::BadValue) for an air that is not usable, [`Error::Failed`](crate::Error::Failed)
 /// where the motion does not stay finite.
 pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight> {
+    fly_within(projectile, air, ground, &Budget::new())
+}
+
+fn fly_within(projectile: &Projectile, air: &Air, ground: &Plane, budget: &Budget) -> Result<Flight> {
     air.check()?;
     let up = projectile.up();
     let start = projectile.at(0.0);
@@ -283,7 +372,7 @@ pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight>
         ground.distance(e.position) < 0.0 && sinks && !air.lifts()
     };
     for _ in 0..FLIGHT_STEPS_MAX {
-        let segment = path.step(FLIGHT_TIME_MAX_S)?;
+        let segment = path.step_within(FLIGHT_TIME_MAX_S, budget)?;
         flight.segments.push(segment);
         flight.landing = segment.falls(|e| ground.distance(e.position));
         flight.end = flight.landing.unwrap_or(path.now());
@@ -316,16 +405,16 @@ pub fn fly(projectile: &Projectile, air: &Air, ground: &Plane) -> Result<Flight>
 ///
 /// # Errors
 /// [`Error::BadValue`](crate::Error::BadValue) for a speed not above 0, no gravity, a direction that is none, or an
-/// air that is not usable.
+/// air that is not usable, [`Error::Failed`](crate::Error::Failed) where its paths turn too fast to be searched.
 pub fn farthest_in_air(speed: f64, gravity: DVec3, forward: DVec3, air: &Air) -> Result<(Shot, Event)> {
-    positive("projectile", "speed", speed)?;
-    check_gravity(gravity)?;
+    check_speed(speed, gravity)?;
     let up = up(gravity);
     let forward = level(forward, up)?;
     let ground = Plane::new(DVec3::ZERO, up)?;
+    let budget = Budget::new();
     let fall = |angle: f64| -> Result<(Shot, Event)> {
         let velocity = (forward * cos(angle) + up * sin(angle)) * speed;
-        let flight = fly(&Projectile::new(DVec3::ZERO, velocity, gravity)?, air, &ground)?;
+        let flight = fly_within(&Projectile::new(DVec3::ZERO, velocity, gravity)?, air, &ground, &budget)?;
         let end = flight.end();
         Ok((Shot::new(velocity, up, end.time), end))
     };
@@ -340,6 +429,21 @@ pub fn farthest_in_air(speed: f64, gravity: DVec3, forward: DVec3, air: &Air) ->
     }
     let degree = FRAC_PI_2 / 90.0;
     fall(golden(best.1 - degree, best.1 + degree, way)?)
+}
+
+/// A speed and a gravity whose ranges in vacuum are numbers.
+fn check_speed(speed: f64, gravity: DVec3) -> Result<()> {
+    positive("projectile", "speed", speed)?;
+    check_gravity(gravity)?;
+    let time = speed / gravity.length();
+    let expected = "a speed whose flight under this gravity stays within what f64 can hold";
+    check(
+        (time * time).is_finite() && (2.0 * time * speed).is_finite(),
+        "projectile",
+        "speed",
+        speed,
+        expected,
+    )
 }
 
 /// The unit vector along the horizontal part of a direction.
@@ -365,7 +469,8 @@ fn level(forward: DVec3, up: DVec3) -> Result<DVec3> {
 ///
 /// # Errors
 /// [`Error::BadValue`](crate::Error::BadValue) for a speed not above 0, a height below 0, no gravity, a direction
-/// that is none, or an air that is not usable.
+/// that is none, or an air that is not usable, [`Error::Failed`](crate::Error::Failed) where its paths turn too fast to
+/// be searched.
 pub fn angle_for_height_in_air(
     speed: f64,
     height: f64,
@@ -373,23 +478,16 @@ pub fn angle_for_height_in_air(
     forward: DVec3,
     air: &Air,
 ) -> Result<Reach<Shot>> {
-    positive("projectile", "speed", speed)?;
     not_negative("projectile", "height", height)?;
-    check_gravity(gravity)?;
+    check_speed(speed, gravity)?;
     let up = up(gravity);
-    let forward = (forward - up * forward.dot(up)).try_normalize();
-    let Some((forward, _)) = forward else {
-        return Err(bad(
-            "projectile",
-            "forward",
-            "no direction",
-            "a finite vector that is not along gravity",
-        ));
-    };
+    let forward = level(forward, up)?;
     let ground = Plane::new(DVec3::ZERO, up)?;
+    let budget = Budget::new();
     let shot = |angle: f64| -> Result<(Shot, Event)> {
         let velocity = (forward * cos(angle) + up * sin(angle)) * speed;
-        let apex = fly(&Projectile::new(DVec3::ZERO, velocity, gravity)?, air, &ground)?.apex();
+        let p = Projectile::new(DVec3::ZERO, velocity, gravity)?;
+        let apex = fly_within(&p, air, &ground, &budget)?.apex();
         Ok((Shot::new(velocity, up, apex.time), apex))
     };
     let mut best = shot(0.0)?;

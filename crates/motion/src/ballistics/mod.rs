@@ -47,6 +47,12 @@ pub struct Event {
     pub velocity: DVec3,
 }
 
+impl Event {
+    fn is_finite(&self) -> bool {
+        self.time.is_finite() && self.position.is_finite() && self.velocity.is_finite()
+    }
+}
+
 /// A projectile at its launch.
 ///
 /// ```
@@ -70,12 +76,18 @@ impl Projectile {
     /// Launched at `position` in m with `velocity` in m/s, under `gravity` in m/s² of any direction.
     ///
     /// # Errors
-    /// [`Error::BadValue`](crate::Error::BadValue) for vectors that are not finite, or a gravity of zero.
+    /// [`Error::BadValue`](crate::Error::BadValue) for vectors that are not finite, a gravity of zero, or a flight whose
+    /// apex no `f64` can hold.
     pub fn new(position: DVec3, velocity: DVec3, gravity: DVec3) -> Result<Self> {
         finite_vector("projectile", "position", position)?;
         finite_vector("projectile", "velocity", velocity)?;
         check_gravity(gravity)?;
-        Ok(Self { position, velocity, gravity })
+        let p = Self { position, velocity, gravity };
+        let apex = p.apex();
+        let usable = apex.is_finite() && p.level_range().is_finite();
+        let expected = "a speed whose flight under this gravity stays within what f64 can hold";
+        check(usable, "projectile", "velocity", velocity.to_array(), expected)?;
+        Ok(p)
     }
 
     /// Position at the launch, m.
@@ -128,7 +140,7 @@ impl Projectile {
     /// ```
     ///
     /// # Errors
-    /// [`Error::BadValue`](crate::Error::BadValue) for a height that is not finite.
+    /// [`Error::BadValue`](crate::Error::BadValue) for a height that is not finite, or a fall that no `f64` can hold.
     pub fn falls_to(&self, height: f64) -> Result<Option<Event>> {
         finite("projectile", "height", height)?;
         let (rise, g) = (self.velocity.dot(self.up()), self.gravity.length());
@@ -140,7 +152,13 @@ impl Projectile {
         let root = under.sqrt();
         // Without cancellation: (v + √)/g, or, for a throw downwards, 2h/(v − √).
         let t = if rise >= 0.0 { (rise + root) / g } else { 2.0 * height / (rise - root) };
-        Ok(if t >= 0.0 { Some(self.at(t)) } else { None })
+        if t < 0.0 {
+            return Ok(None);
+        }
+        let e = self.at(t);
+        let expected = "a height whose fall stays within what f64 can hold";
+        check(t >= 0.0 && e.is_finite(), "projectile", "height", height, expected)?;
+        Ok(Some(e))
     }
 }
 
@@ -149,6 +167,7 @@ pub(crate) fn up(gravity: DVec3) -> DVec3 {
 }
 
 pub(crate) fn check_gravity(gravity: DVec3) -> Result<()> {
-    let usable = gravity.is_finite() && gravity.length() > 0.0 && gravity.length().is_finite();
-    check(usable, "projectile", "gravity", gravity.to_array(), "a finite vector, not zero")
+    let usable = gravity.is_finite() && (1e-150..1e150).contains(&gravity.length());
+    let expected = "a finite vector of 1e-150 to 1e150 m/s²";
+    check(usable, "projectile", "gravity", gravity.to_array(), expected)
 }

@@ -23,6 +23,7 @@ mod tiles;
 pub(crate) use layer::Bag;
 pub(crate) use prepare::{Props, is_extra};
 
+use crate::water::Water;
 use jounce::math::{DVec3, Vec3};
 
 /// A particle or a ball.
@@ -138,12 +139,14 @@ pub struct Extras {
     pub rods: Vec<Rod>,
     /// Cloth and skins.
     pub faces: Vec<Face>,
+    /// Waters.
+    pub waters: Vec<Water>,
 }
 
 impl Extras {
     /// Nothing to draw?
     pub fn is_empty(&self) -> bool {
-        self.balls.is_empty() && self.rods.is_empty() && self.faces.is_empty()
+        self.balls.is_empty() && self.rods.is_empty() && self.faces.is_empty() && self.waters.is_empty()
     }
 
     /// Adds a smooth skin: triangles over shared points, whose normals are the means of the faces around them,

@@ -107,8 +107,9 @@ impl World {
                 }
                 FieldLaw::Point { center, mu, softening } => {
                     sum += self.weigh(f, |c| {
-                        let d = c - *center;
-                        -mu / (d.length_squared() + softening * softening).sqrt()
+                        let d = (c - *center).length_squared() + softening * softening;
+                        // At the centre of an unsoftened point there is no pull and no depth that could be told.
+                        if d > 0.0 { -mu / d.sqrt() } else { 0.0 }
                     });
                 }
                 FieldLaw::NBody { bodies, g, softening } => {

@@ -24,6 +24,7 @@ impl World {
             origin: Default::default(),
             clock: 0,
             serial: 0,
+            unborn: 0,
             lost: 0,
             finished: false,
             blocks: Vec::new(),
@@ -81,7 +82,9 @@ impl World {
             let newborn = born(e, &stand, e.serial + k, 0.0, 0.0);
             self.particles.push(slot, &newborn);
         }
-        self.particles.emitters[slot].serial += u64::from(count);
+        let e = &mut self.particles.emitters[slot];
+        e.serial += u64::from(count);
+        e.unborn += u64::from(count) - n as u64;
         if n < count as usize {
             self.events.push(Event::LimitReached { what: "particles" });
         }

@@ -172,6 +172,8 @@ pub(crate) struct Emitter {
     pub clock: u64,
     /// Particles born so far, those left out for want of room included.
     pub serial: u64,
+    /// Of these, those left out for want of room. A count for people: it steers nothing, so it is not hashed.
+    pub unborn: u64,
     /// Particles that were taken out because their numbers went bad.
     pub lost: u64,
     /// No more births by time.

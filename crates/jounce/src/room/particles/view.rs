@@ -114,9 +114,13 @@ impl<'a> EmitterRef<'a> {
     pub fn is_empty(&self) -> bool {
         self.emitter.count == 0
     }
-    /// Particles born so far, those left out for want of room included.
+    /// Particles born so far.
     pub fn born(&self) -> u64 {
-        self.emitter.serial
+        self.emitter.serial - self.emitter.unborn
+    }
+    /// Particles that were to be born and were not, for want of room.
+    pub fn unborn(&self) -> u64 {
+        self.emitter.unborn
     }
     /// Particles that were taken out because their numbers went bad.
     pub fn lost(&self) -> u64 {
