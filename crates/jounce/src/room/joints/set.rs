@@ -288,11 +288,45 @@ impl JointSet {
         }
     }
 
+    /// Is a point metres from where it is held? What is stronger than any joint did that; rows with such levers are no longer linear in
+    /// a substep, and would drive the bodies round for ever.
+    fn is_torn(&self, k: &Constants) -> bool {
+        let open = |s: &Solve| {
+            let n = if s.rod { 1 } else { s.hard.n };
+            let holds = s.sign == 0.0 || s.active;
+            holds && s.hard.rows[..n].iter().any(|r| r.lb != Vec3::ZERO && r.c.abs() > TORN * k.correct)
+        };
+        self.joints.iter().any(open)
+    }
+
+    /// Draws the velocities of a torn set towards that of its centre of mass: momentum stays, and what it swings with goes.
+    fn calm(&mut self) {
+        let (mut p, mut mass) = (Vec3::ZERO, 0.0);
+        for b in self.bodies.iter().filter(|b| b.row != NONE && b.inv_mass.min_component() > 0.0) {
+            let m = 1.0 / b.inv_mass.x;
+            p += b.m.v * m;
+            mass += m;
+        }
+        if mass <= 0.0 || !mass.is_finite() {
+            return;
+        }
+        let mean = p / mass;
+        for b in self.bodies.iter_mut().filter(|b| b.row != NONE && b.inv_mass.min_component() > 0.0) {
+            b.m.v += (mean - b.m.v) * CALMING;
+            if b.turns {
+                b.m.w -= b.m.w * CALMING;
+            }
+        }
+    }
+
     /// After they moved.
     pub fn relax(&mut self, joints: &Joints, k: &Constants) {
         self.stiffen(k);
         self.refresh(joints);
         self.pass(joints, k, Sweep::Relax, true);
+        if self.is_torn(k) {
+            self.calm();
+        }
         for s in &mut self.joints {
             let rb = self.bodies[s.b].m.dq.rotate(s.start.rb);
             s.account(&joints.table[s.id], k, rb);
@@ -303,5 +337,9 @@ impl JointSet {
 /// Blocks below the diagonal per joint up to which a set is solved directly by itself, and where that is asked for.
 const FILL_AUTO: usize = 6;
 const FILL_ASKED: usize = 64;
+/// A joint is torn where it is off by more than errors are taken back in this time, s: a metre.
+const TORN: f32 = 0.1;
+/// Part of a torn set's velocities against one another that a substep takes.
+const CALMING: f32 = 0.9;
 /// Newton's steps that bring bodies together again.
 const PLACINGS: usize = 4;
