@@ -935,3 +935,32 @@ fn a_stiff_spring_carries_what_hangs_on_a_light_limb() {
     let want = 80.5 * 9.81 / f64::from(k);
     assert!((sag / want - 1.0).abs() < 0.005, "{sag} m for {want}");
 }
+
+/// What a torn set is calmed for does not touch joints that are soft, or ropes that are slack, by metres.
+#[test]
+fn soft_and_slack_joints_are_not_calmed() {
+    let mut w = world();
+    let hook = anchor(&mut w);
+    let b = ball(&mut w, [0.0; 3], 0.2, 5.0);
+    w.add_joint(JointDesc::ball(hook, b, [0.0; 3]).soft(SpringDesc::hertz(0.4, 0.0))).unwrap();
+    // It falls by 2 g/ω², 3.1 m, and passes the middle at g/ω.
+    let (mut fastest, mut lowest) = (0.0, 0.0);
+    for _ in 0..75 {
+        w.step().unwrap();
+        let r = w.body(b).unwrap();
+        fastest = f32s::max(fastest, r.velocity().length());
+        lowest = f64s::min(lowest, r.position().y);
+    }
+    let omega = core::f64::consts::TAU * 0.4;
+    assert!((f64::from(fastest) * omega / 9.81 - 1.0).abs() < 0.02, "{fastest} m/s");
+    assert!((-lowest * omega * omega / (2.0 * 9.81) - 1.0).abs() < 0.02, "{lowest} m");
+    for solver in [JointSolver::Direct, JointSolver::Iterative] {
+        let mut w = world();
+        let hook = anchor(&mut w);
+        let b = ball(&mut w, [0.0, -0.5, 0.0], 0.2, 5.0);
+        w.add_joint(JointDesc::rope(hook, b, [0.0; 3], [0.0, -0.5, 0.0], 8.0).solver(solver)).unwrap();
+        run(&mut w, 1.0);
+        let v = w.body(b).unwrap().velocity().y;
+        assert!((v + 9.81).abs() < 0.01, "falls freely: {v}");
+    }
+}

@@ -293,8 +293,10 @@ impl JointSet {
     fn is_torn(&self, k: &Constants) -> bool {
         let open = |s: &Solve| {
             let n = if s.rod { 1 } else { s.hard.n };
-            let holds = s.sign == 0.0 || s.active;
-            holds && s.hard.rows[..n].iter().any(|r| r.lb != Vec3::ZERO && r.c.abs() > TORN * k.correct)
+            // Soft ones stretch as they shall, ropes hang slack.
+            let by = |c: f32| if s.sign == 0.0 { c.abs() } else { -s.sign * c };
+            s.soft.is_none()
+                && s.hard.rows[..n].iter().any(|r| r.lb != Vec3::ZERO && by(r.c) > TORN * k.correct)
         };
         self.joints.iter().any(open)
     }
