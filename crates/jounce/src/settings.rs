@@ -95,7 +95,8 @@ pub struct Settings {
     pub recycle_contacts: bool,
     /// Speed limit of bodies, m/s. Default 400.
     pub linear_speed_max: f32,
-    /// Spin limit as rotation per step, radians. Default π/4. Spheres and bodies with `fast_rotation` are exempt.
+    /// Spin limit as rotation per step, radians; bodies on joints may turn so far in a substep. Default π/4. Spheres and bodies with
+    /// `fast_rotation` are exempt.
     pub rotation_per_step_max: f32,
 }
 

@@ -3,17 +3,18 @@
 
 use super::{Step, substep};
 use crate::event::Event;
-use crate::limits;
+use crate::limits::POSITION_MAX;
 use crate::world::World;
 use jounce_math::Vec3;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     let mut bad = core::mem::take(&mut world.scratch.fields.bad);
+    let limits = substep::speed_limits(world, step);
     // A clamped speed is the limit up to rounding.
-    let [linear2, angular2] = substep::speed_limits(world, step).map(|l| 0.9999 * l * l);
+    let at = |v: Vec3, limit: f32| v.length_squared() >= 0.9999 * limit * limit;
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
         let f = &world.frames[b.body as usize];
-        let inside = f.center.abs().max_component() <= limits::POSITION_MAX;
+        let inside = f.center.abs().max_component() <= POSITION_MAX;
         if !(inside
             && f.center.is_finite()
             && f.rotation.is_finite()
@@ -23,7 +24,8 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             bad.push(b.body);
         } else if b.guided {
             // A kinematic body arrives where `move_to` sent it, however far that is.
-        } else if s.v().length_squared() >= linear2 || s.w().length_squared() >= angular2 && !b.fast_rotation
+        } else if at(s.v(), limits.speed)
+            || !b.fast_rotation && at(s.w(), limits.spin_of(b, &world.bodies[b.body]))
         {
             world.events.push(Event::SpeedLimited { body: world.body_id(b.body) });
         }

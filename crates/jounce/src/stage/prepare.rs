@@ -42,7 +42,9 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let omega = 2.0 * core::f32::consts::PI * world.settings.contact_hertz;
     let mut sums = core::mem::take(&mut world.scratch.loads);
     let numbers = [gravity, world.settings.slop(), omega, step.dt];
-    load::raise(&world.contacts, &world.frames, &mut world.awake, &mut sums, numbers);
+    let bodies = &world.bodies;
+    let jointed = |body: u32| !bodies[body].joints.is_empty();
+    load::raise(&world.contacts, &world.frames, &mut world.awake, jointed, &mut sums, numbers);
     world.scratch.loads = sums;
 }
 

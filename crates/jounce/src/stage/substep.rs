@@ -6,7 +6,7 @@ use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
-use crate::room::rigid::solve::{Substep, integrate_position, integrate_velocity};
+use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position, integrate_velocity};
 use crate::room::rigid::state::{BodyState, NONE};
 use crate::world::World;
 use jounce_lanes::{Width, dispatch};
@@ -71,14 +71,18 @@ fn poses(world: &mut World, step: &Step) {
     for (((s, b), i), t) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia).zip(&mut a.turning) {
         let body = &world.bodies[b.body];
         let frame = &mut world.frames[b.body as usize];
-        rigid::finish(s, b, t, i, frame, &body.mass, body.can_sleep, step.dt, limits);
+        rigid::finish(s, b, t, i, frame, body, step.dt, &limits);
     }
 }
 
-/// Fastest speed, m/s, and spin, rad/s.
-pub(super) fn speed_limits(world: &World, step: &Step) -> [f32; 2] {
+pub(super) fn speed_limits(world: &World, step: &Step) -> SpeedLimits {
     let s = &world.settings;
-    [s.linear_speed_max * s.length_unit, s.rotation_per_step_max / step.dt]
+    let turn = s.rotation_per_step_max;
+    SpeedLimits {
+        speed: s.linear_speed_max * s.length_unit,
+        spin: turn / step.dt,
+        spin_jointed: turn / step.constants.h,
+    }
 }
 
 fn impacts(world: &mut World, step: &Step) {
@@ -103,8 +107,7 @@ fn velocities(world: &mut World, step: &Step) {
 }
 
 fn positions(world: &mut World, step: &Step) {
-    let [linear_speed_max, angular_speed_max] = speed_limits(world, step);
-    let sub = Substep { h: step.constants.h, linear_speed_max, angular_speed_max };
+    let sub = Substep { h: step.constants.h, limits: speed_limits(world, step) };
     let (bodies, frames) = (&world.bodies, &world.frames);
     let a = &mut world.awake;
     let steps = &a.step;

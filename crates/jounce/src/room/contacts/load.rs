@@ -11,7 +11,8 @@
 //! * m′ = W/(½ slop · ω²), at most 10⁴ m; I′ = I m′/m. Forces stay as they are: gravity pulls with m g, so the weights that
 //!   contacts report are the true ones.
 //!
-//! What is given up: a squeezed body reacts to a *net* impulse as if it had the mass m′.
+//! What is given up: a squeezed body reacts to a *net* impulse as if it had the mass m′. Bodies on joints are never treated: joints
+//! are solved rigidly, and a bone that weighs tons for a step throws those it hangs on.
 
 use super::state::Contact;
 use crate::room::rigid::state::{Awake, BodyFrame};
@@ -34,6 +35,7 @@ pub(crate) fn raise(
     contacts: &[Contact],
     frames: &[BodyFrame],
     awake: &mut Awake,
+    jointed: impl Fn(u32) -> bool,
     sums: &mut Vec<(f32, Vec3, f32)>,
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
@@ -59,7 +61,7 @@ pub(crate) fn raise(
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);
         let ratio = load * step.inv_mass / gravity;
         let mut raised = f32s::max(step.raised * FALL, 1.0);
-        if ratio > RATIO[0] && sum.2 < HIT_SPEED {
+        if ratio > RATIO[0] && sum.2 < HIT_SPEED && !jointed(step.body) {
             let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
             let full = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
             raised = f32s::max(raised, 1.0 + part * (full - 1.0));

@@ -1,6 +1,6 @@
 //! A point held: C = p_b − p_a = 0.
 //!
-//! Three rows along A's axes n: C = n·d, J = (−n, −(r_a + d) × n, n, r_b × n).
+//! Three rows along the world's axes n: C = n·d, J = (−n, −r_a × n, n, r_b × n). No lever grows with d, so those torn apart stay solvable.
 //! Limits: the cone C = γ − angle(x_a, x_b) ≥ 0 with j = x_a × x_b / |x_a × x_b|, and the twist about x between two angles.
 //! Motor: the rotation vector from the wanted pose, about A's axes.
 //!
@@ -9,12 +9,12 @@
 
 use super::desc::{BallDesc, LimitDesc};
 use super::extra::{Duty, Extras};
-use super::rows::{Ends, Hard};
+use super::rows::{Ends, Hard, Row, unit};
 use crate::room::joints::desc::MotorTarget;
 
 pub(crate) fn rows(e: &Ends, out: &mut Hard) {
     for i in 0..3 {
-        out.push(e.along(e.axis_a(i)));
+        out.push(Row { c: e.d[i], ..e.beside(unit(i)) });
     }
 }
 

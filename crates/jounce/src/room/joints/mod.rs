@@ -23,6 +23,7 @@ pub mod glue;
 pub(crate) mod hinge;
 pub(crate) mod local;
 pub(crate) mod path;
+pub(crate) mod place;
 pub(crate) mod pulley;
 pub(crate) mod rows;
 pub(crate) mod set;

@@ -25,7 +25,7 @@ use super::desc::JointSolver;
 use super::direct::{Numbers, Plan, ROWS};
 use super::extra::Sweep;
 use super::local::Local;
-use super::rows::turned;
+use super::place::Kept;
 use super::solve::{HARD, Solve, counts, dot64, limited};
 use super::state::Joints;
 use crate::room::contacts::prepare::Softness;
@@ -76,6 +76,7 @@ pub(crate) struct JointSet {
     pub placed: bool,
     /// Pairs of joints that share a moving body, and which.
     shared: Vec<(u32, u32, u32)>,
+    pub(super) kept: Kept,
 }
 
 impl JointSet {
@@ -116,7 +117,7 @@ impl JointSet {
         }
     }
 
-    fn refresh(&mut self, joints: &Joints) {
+    pub(super) fn refresh(&mut self, joints: &Joints) {
         let iterative = self.plan.is_none();
         for s in &mut self.joints {
             s.refresh(&joints.table[s.id], &self.bodies, iterative);
@@ -250,53 +251,13 @@ impl JointSet {
         self.pass(joints, k, Sweep::Solve, false);
     }
 
-    /// Bodies that were put elsewhere come together again, without a change of velocity: Newton's steps of C = 0, each body's share
-    /// as its mass has it. Velocities of the copies are lost.
-    pub fn place(&mut self, joints: &Joints) {
-        let k = Constants {
-            h: 1.0,
-            warm: 0.0,
-            soft: Softness { bias_rate: 1.0, mass_scale: 1.0, impulse_scale: 0.0 },
-            push_out: f32::INFINITY,
-            correct: f32::INFINITY,
-            speed_max: f32::INFINITY,
-            spin_max: 2.0 * core::f32::consts::PI,
-        };
-        let direct = self.plan.is_some();
-        for _ in 0..if direct { PLACINGS } else { 4 * PLACINGS } {
-            self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
-            for s in &mut self.joints {
-                s.lambda = [0.0; HARD];
-                s.extra.iter_mut().for_each(|x| x.impulse = 0.0);
-                if s.rod {
-                    s.give_way[1..3].fill(f32::INFINITY);
-                }
-            }
-            self.refresh(joints);
-            if direct {
-                self.direct(joints, &k, Sweep::Place, true);
-            } else {
-                for s in &mut self.joints {
-                    s.active = true;
-                    s.hold(&mut self.bodies, &k, Sweep::Place, true);
-                }
-            }
-            for b in self.bodies.iter_mut().filter(|b| b.row != NONE) {
-                b.m.dp += b.m.v;
-                b.m.dq = (turned(b.m.w) * b.m.dq).normalize();
-            }
-        }
-    }
-
-    /// Is a point metres from where it is held? What is stronger than any joint did that; rows with such levers are no longer linear in
-    /// a substep, and would drive the bodies round for ever.
-    fn is_torn(&self, k: &Constants) -> bool {
+    /// Is a point so far from where it is held, m?
+    pub(super) fn is_open(&self, most: f32) -> bool {
         let open = |s: &Solve| {
             let n = if s.rod { 1 } else { s.hard.n };
             // Soft ones stretch as they shall, ropes hang slack.
             let by = |c: f32| if s.sign == 0.0 { c.abs() } else { -s.sign * c };
-            s.soft.is_none()
-                && s.hard.rows[..n].iter().any(|r| r.lb != Vec3::ZERO && by(r.c) > TORN * k.correct)
+            s.soft.is_none() && s.hard.rows[..n].iter().any(|r| r.lb != Vec3::ZERO && by(r.c) > most)
         };
         self.joints.iter().any(open)
     }
@@ -323,10 +284,13 @@ impl JointSet {
 
     /// After they moved.
     pub fn relax(&mut self, joints: &Joints, k: &Constants) {
+        self.turn_back(joints, k);
         self.stiffen(k);
         self.refresh(joints);
         self.pass(joints, k, Sweep::Relax, true);
-        if self.is_torn(k) {
+        // What is stronger than any joint did that; rows with such levers are no longer linear in a substep, and would drive the bodies
+        // round for ever.
+        if self.is_open(TORN * k.correct) {
             self.calm();
         }
         for s in &mut self.joints {
@@ -343,5 +307,3 @@ const FILL_ASKED: usize = 64;
 const TORN: f32 = 0.1;
 /// Part of a torn set's velocities against one another that a substep takes.
 const CALMING: f32 = 0.9;
-/// Newton's steps that bring bodies together again.
-const PLACINGS: usize = 4;

@@ -1,23 +1,22 @@
 //! Writes the motion of a step back to the frames.
 
 use super::desc::BodyKind;
-use super::solve::{settle, turns_freely};
-use super::state::{BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
+use super::solve::{SpeedLimits, settle, turns_freely};
+use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
-/// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point. `limits`
-/// are those of speed and spin.
+/// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point.
 pub(crate) fn finish(
     state: &mut BodyState,
     b: &mut BodyStep,
     turning: &mut Option<Turning>,
     i: &mut InvInertia,
     f: &mut BodyFrame,
-    mass: &Mass,
-    can_sleep: bool,
+    body: &Body,
     dt: f32,
-    limits: [f32; 2],
+    limits: &SpeedLimits,
 ) {
+    let mass = &body.mass;
     let mut s = state.get();
     if turns_freely(b) {
         settle(&mut s, turning, mass, f.rotation0);
@@ -33,17 +32,18 @@ pub(crate) fn finish(
     (b.force, b.torque) = (Vec3::ZERO, Vec3::ZERO);
     // Restitution and the relaxing pass come after the limits of the last substep.
     let v2 = s.v.length_squared();
-    if v2 > limits[0] * limits[0] {
-        s.v *= limits[0] / v2.sqrt();
+    if v2 > limits.speed * limits.speed {
+        s.v *= limits.speed / v2.sqrt();
         state.put(&s);
     }
     let w2 = s.w.length_squared();
-    if w2 > limits[1] * limits[1] && !b.fast_rotation {
-        s.w *= limits[1] / w2.sqrt();
+    let spin = limits.spin_of(b, body);
+    if w2 > spin * spin {
+        s.w *= spin / w2.sqrt();
         state.put(&s);
     }
     let speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
-    b.sleep_timer = if can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
+    b.sleep_timer = if body.can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
 }
 
 /// The rotation at the end of the step; from the precise one where that is known.
