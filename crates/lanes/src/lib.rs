@@ -1,8 +1,8 @@
 //! Wide floats: one kernel, written once, in 1, 4, 8 or 16 lanes, with the same bits in each.
 //!
 //! A kernel is generic over [`Lanes`] and is started with [`dispatch`], which picks the instruction set at run time:
-//! SSE2, AVX2 or AVX-512F on x86-64, NEON on ARM64, simd128 on wasm, and arrays of the same width where there is
-//! none. All operations are the IEEE 754 ones, rounded once each: there is no fused multiply-add, no
+//! SSE2, AVX2 or AVX-512F on x86-64, NEON on ARM64, simd128 on wasm, and the next narrower one where a width is
+//! missing. All operations are the IEEE 754 ones, rounded once each: there is no fused multiply-add, no
 //! approximation, no reduction across lanes. A lane never reads another lane, so the width cannot change a result as
 //! long as a kernel gives each row a lane of its own. (The payload and sign of a NaN that arithmetic *makes* are the
 //! hardware's; they are not part of the promise.)
@@ -196,33 +196,32 @@ pub trait Kernel {
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
-/// Runs `kernel` in lanes of `width`, with the instruction set for it if this machine has it and on arrays if not.
+/// Runs `kernel` in lanes of `width`, or of the next narrower width that this machine has instructions for: a kernel walks its data
+/// by [`Lanes::WIDTH`], so it is complete at any. (Wide arrays in place of missing instructions are slower than narrow ones, and
+/// every width that is compiled in costs as much compile time as all the others.)
 pub fn dispatch<K: Kernel>(width: Width, kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     match width {
-        Width::X4 => return x86::enter_sse2(kernel),
-        Width::X8 if x86::has_avx2() => {
-            // SAFETY: the feature that the entry point needs was just detected.
-            return unsafe { x86::enter_avx2(kernel) };
-        }
-        Width::X16 if x86::has_avx512() => {
-            // SAFETY: the feature that the entry point needs was just detected.
-            return unsafe { x86::enter_avx512(kernel) };
-        }
-        _ => {}
+        Width::X1 => {}
+        // SAFETY: the feature that the entry point needs was just detected.
+        Width::X16 if x86::has_avx512() => return unsafe { x86::enter_avx512(kernel) },
+        // SAFETY: likewise.
+        Width::X8 | Width::X16 if x86::has_avx2() => return unsafe { x86::enter_avx2(kernel) },
+        _ => return x86::enter_sse2(kernel),
     }
     #[cfg(target_arch = "aarch64")]
-    if width == Width::X4 {
+    if width != Width::X1 {
         return kernel.run::<neon::F32x4>();
     }
     #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-    if width == Width::X4 {
+    if width != Width::X1 {
         return kernel.run::<wasm::F32x4>();
     }
-    dispatch_arrays(width, kernel)
+    let _ = width;
+    kernel.run::<Array<1>>()
 }
 
-/// Runs `kernel` on plain arrays of `width` floats: what [`dispatch`] falls back to, and what it is tested against.
+/// Runs `kernel` on plain arrays of `width` floats: what [`dispatch`] is tested against.
 pub fn dispatch_arrays<K: Kernel>(width: Width, kernel: K) -> K::Output {
     match width {
         Width::X1 => kernel.run::<Array<1>>(),

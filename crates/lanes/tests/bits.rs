@@ -170,7 +170,7 @@ fn scalar(a: f32, b: f32, first: f32) -> [f32; OPS] {
 
 fn check(a: &[f32; LANES_MAX], b: &[f32; LANES_MAX]) {
     let expected: [[f32; OPS]; LANES_MAX] = std::array::from_fn(|lane| scalar(a[lane], b[lane], a[0]));
-    for width in Width::ALL {
+    for width in Width::ALL.into_iter().filter(|w| *w <= Width::native()) {
         for got in [dispatch(width, Apply { a, b }), dispatch_arrays(width, Apply { a, b })] {
             for (op, got) in got.iter().enumerate() {
                 for lane in 0..LANES_MAX {
@@ -250,7 +250,7 @@ fn masks_as_bits() {
             _ => std::array::from_fn(|_| random.float()),
         };
         let whole = (0..LANES_MAX).fold(0, |bits, i| bits | u32::from(a[i] <= b[i]) << i);
-        for width in Width::ALL {
+        for width in Width::ALL.into_iter().filter(|w| *w <= Width::native()) {
             for got in
                 [dispatch(width, Compare { a: &a, b: &b }), dispatch_arrays(width, Compare { a: &a, b: &b })]
             {
@@ -290,7 +290,7 @@ fn gather_and_scatter_transpose() {
     let mut random = Random(3);
     for _ in 0..1000 {
         let rows: [[f32; 8]; LANES_MAX] = std::array::from_fn(|_| std::array::from_fn(|_| random.float()));
-        for width in Width::ALL {
+        for width in Width::ALL.into_iter().filter(|w| *w <= Width::native()) {
             for (columns, back) in
                 [dispatch(width, Transpose(&rows)), dispatch_arrays(width, Transpose(&rows))]
             {
@@ -317,9 +317,9 @@ impl Kernel for CountLanes {
 }
 
 #[test]
-fn dispatch_gives_the_width_asked_for() {
+fn dispatch_gives_the_width_asked_for_or_the_next_narrower_one() {
     for width in Width::ALL {
-        assert_eq!(dispatch(width, CountLanes), width.lanes());
+        assert_eq!(dispatch(width, CountLanes), width.min(Width::native()).lanes());
         assert_eq!(dispatch_arrays(width, CountLanes), width.lanes());
         assert_eq!(Width::from_lanes(width.lanes()), Some(width));
         assert_eq!(LANES_MAX % width.lanes(), 0);

@@ -1,6 +1,7 @@
 //! A point held: C = p_b − p_a = 0.
 //!
-//! Three rows along the world's axes n: C = n·d, J = (−n, −r_a × n, n, r_b × n). No lever grows with d, so those torn apart stay solvable.
+//! Three rows along A's axes n: C = n·d, J = (−n, −(r_a + d) × n, n, r_b × n). Where something stronger tore the two apart, the rows are
+//! along the world's axes and act at both anchors, J = (−n, −r_a × n, n, r_b × n): no lever grows with d.
 //! Limits: the cone C = γ − angle(x_a, x_b) ≥ 0 with j = x_a × x_b / |x_a × x_b|, and the twist about x between two angles.
 //! Motor: the rotation vector from the wanted pose, about A's axes.
 //!
@@ -13,8 +14,9 @@ use super::rows::{Ends, Hard, Row, unit};
 use crate::room::joints::desc::MotorTarget;
 
 pub(crate) fn rows(e: &Ends, out: &mut Hard) {
+    let torn = e.d.length_squared() > TORN * TORN;
     for i in 0..3 {
-        out.push(Row { c: e.d[i], ..e.beside(unit(i)) });
+        out.push(if torn { Row { c: e.d[i], ..e.beside(unit(i)) } } else { e.along(e.axis_a(i)) });
     }
 }
 
@@ -45,3 +47,6 @@ pub(crate) fn extras(b: &BallDesc, e: &Ends, out: &mut Extras<'_>) {
         }
     }
 }
+
+/// Gap from which a point is torn, m.
+const TORN: f32 = 0.05;
