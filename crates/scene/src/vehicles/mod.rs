@@ -247,6 +247,12 @@ fn own(v: &VehicleSpec, kit: &mut VehicleKit, census: &mut Census) -> Checked<Gr
             let expected = "a centre of mass between the axles";
             return Err(Wrong::new(message, expected).key("center").key("mass_properties"));
         }
+        let most = 1e9;
+        if let Some(w) = kit.vehicle.wheels.iter().find(|w| w.preload > most) {
+            let message = format!("is {}: a wheel would carry {:e} N", mass.mass, w.preload);
+            let expected = format!("at most {most:e} N on a wheel");
+            return Err(Wrong::new(message, expected).key("mass").key("mass_properties"));
+        }
     }
     d.check()?;
     let shapes = d.shapes.len() as u64;
