@@ -378,7 +378,8 @@ fn places(v: &mut Vehicle, run: &mut Run, k: &Numbers) -> usize {
             let reach = (d.radius - r) * m.dot(n) + r;
             w.depth = reach - (hub - now.point).dot(n);
             w.kappa = n.dot(up);
-            w.rho = n * w.depth - m * (d.radius - r) - n * r;
+            // The ground never meets it beyond the hub: levers of metres would throw what is deep in it.
+            w.rho = n * f32s::min(w.depth, reach) - m * (d.radius - r) - n * r;
             w.arm = hub + w.rho;
             w.slide = run.over(w.arm, &now);
             w.closing = w.kappa * s.u - w.slide.dot(n);
