@@ -8,6 +8,9 @@ use crate::query::QueryFilter;
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::view::JointRef;
 use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::BodyFrame;
+use crate::room::vehicles::board::STATIONS;
+use crate::room::vehicles::state::{Vehicle, WheelState};
 use crate::world::World;
 use jounce_geometry::Shape;
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose, scalar::f32s};
@@ -40,6 +43,9 @@ pub struct DebugDrawOptions<'a> {
     pub force_scale: f32,
     /// Joints: from point to point, with the axes of hinges, sliders and wheels, the ropes of pulleys, and paths. Default true.
     pub joints: bool,
+    /// Vehicles: wheels where they are, the way of their travel, and what they stand on. With `forces` the force of the ground, too.
+    /// Default true.
+    pub vehicles: bool,
     /// Centres of mass with the body's axes. Default false.
     pub centers: bool,
     /// Velocities, a metre for a metre per second. Default false.
@@ -65,6 +71,7 @@ impl Default for DebugDrawOptions<'_> {
             forces: false,
             force_scale: 0.01,
             joints: true,
+            vehicles: true,
             centers: false,
             velocities: false,
             names: false,
@@ -86,6 +93,8 @@ const CONTACT: DebugColor = [230, 60, 60];
 const FORCE: DebugColor = [255, 140, 140];
 const VELOCITY: DebugColor = [90, 210, 210];
 const JOINT: DebugColor = [70, 190, 160];
+const WHEEL: DebugColor = [110, 200, 250];
+const TRAVEL: DebugColor = [200, 200, 120];
 const AXES: [DebugColor; 3] = [[220, 60, 60], [70, 190, 70], [70, 90, 230]];
 /// Sides of a drawn circle.
 const SIDES: usize = 24;
@@ -121,6 +130,11 @@ impl World {
         if options.joints {
             for j in self.joints().filter_map(|id| self.joint(id).ok()) {
                 draw_joint(&j, draw, options.size, [min, max]);
+            }
+        }
+        if options.vehicles {
+            for (_, v) in self.vehicles.table.iter().filter(|(_, v)| v.enabled) {
+                draw_vehicle(v, &self.frames[v.chassis as usize], draw, options, [min, max]);
             }
         }
         if options.contacts || options.forces {
@@ -186,6 +200,58 @@ fn draw_joint(j: &JointRef<'_>, draw: &mut dyn DebugDraw, size: f32, [min, max]:
     }
     draw.point(a, JOINT);
     draw.point(b, JOINT);
+}
+
+/// Wheels and stations of a vehicle whose chassis is in the region.
+fn draw_vehicle(
+    v: &Vehicle,
+    f: &BodyFrame,
+    draw: &mut dyn DebugDraw,
+    options: &DebugDrawOptions<'_>,
+    [min, max]: [DVec3; 2],
+) {
+    if !(0..3).all(|i| min[i] <= f.center[i] && f.center[i] <= max[i]) {
+        return;
+    }
+    let (pose, up) = (f.pose(), v.desc.up);
+    for (d, s) in v.desc.wheels.iter().zip(&v.wheels) {
+        let axle = Quat::from_axis_angle(up, s.steer).rotate(up.cross(v.desc.forward));
+        let hub = d.position - up * s.s;
+        let (x, y) = (axle.cross(up) * d.radius, up * d.radius);
+        let mut pen = Pen { draw: &mut *draw, pose, color: WHEEL, triangles_max: 0 };
+        for side in [-0.5 * d.width, 0.5 * d.width] {
+            pen.arc(hub + axle * side, x, y, SIDES);
+        }
+        // A spoke, that shows how it turns.
+        pen.line(hub, hub + y * f32s::cos(s.angle) - x * f32s::sin(s.angle));
+        pen.color = TRAVEL;
+        pen.line(d.position + up * d.bump, d.position - up * d.droop);
+        draw_stand(s, pose.q.rotate(axle), draw, options);
+    }
+    let Some(b) = &v.desc.board else { return };
+    for ((x, y), s) in STATIONS.into_iter().zip(&v.stations) {
+        let left = up.cross(v.desc.forward);
+        let at = b.position + v.desc.forward * (0.5 * x * b.length) + left * (0.5 * y * b.width);
+        let mut pen = Pen { draw: &mut *draw, pose, color: TRAVEL, triangles_max: 0 };
+        pen.line(at + up * b.reach, at - up * b.reach);
+        draw_stand(s, pose.q.rotate(left), draw, options);
+    }
+}
+
+/// Where a wheel or station stands, and what the ground does to it.
+fn draw_stand(s: &WheelState, axle: Vec3, draw: &mut dyn DebugDraw, options: &DebugDrawOptions<'_>) {
+    let (n, at) = (s.seen.normal, s.seen.point);
+    if n == Vec3::ZERO {
+        return;
+    }
+    draw.point(at, CONTACT);
+    draw.line(at, at + (n * options.size).as_dvec3(), CONTACT);
+    if options.forces {
+        let along = axle.cross(n).normalize_or(Vec3::ZERO);
+        let [x, y] = s.seen.force;
+        let force = n * s.seen.load + along * x + n.cross(along) * y;
+        draw.line(at, at + (force * options.force_scale).as_dvec3(), FORCE);
+    }
 }
 
 fn draw_contact(

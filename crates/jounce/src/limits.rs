@@ -51,6 +51,10 @@ pub const GEARS_MAX: usize = 32;
 pub const CHARACTERS_MAX: usize = 1 << 14;
 /// Most shapes near a character that a move looks at.
 pub const CHARACTER_SHAPES_MAX: usize = 1 << 12;
+/// Most of them that can move and are not large against the character; the nearest count.
+pub const CHARACTER_MOVERS_MAX: usize = 32;
+/// Most planes of what is near, of which those are chosen that a character is pushed out of; the deepest count.
+pub const CHARACTER_PLANES_MAX: usize = 48;
 /// Most hits that a move of a character tells.
 pub const CHARACTER_HITS_MAX: usize = 16;
 /// Most bones of a ragdoll.

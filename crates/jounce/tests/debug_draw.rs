@@ -105,3 +105,35 @@ fn joints_are_drawn_from_point_to_point_until_they_break() {
     let off = DebugDrawOptions { joints: false, ..only };
     assert!(drawn(&w, &off).lines.is_empty());
 }
+
+#[test]
+fn a_vehicle_shows_its_wheels_and_what_they_stand_on() {
+    let mut w = world();
+    w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).expect("ground");
+    let v = jounce::vehicles::car().add(&mut w, [0.0; 3], Quat::IDENTITY).expect("a car");
+    (0..60).for_each(|_| w.step().expect("a step"));
+    let alone = |vehicles, forces| DebugDrawOptions {
+        shapes: false,
+        contacts: false,
+        joints: false,
+        vehicles,
+        forces,
+        ..Default::default()
+    };
+    assert!(drawn(&w, &alone(false, false)).lines.is_empty());
+    let paper = drawn(&w, &alone(true, false));
+    // Two rims of 24 sides, a spoke, a travel and a normal for each of four wheels.
+    assert_eq!(paper.lines.len(), 4 * (2 * 24 + 3), "{} lines", paper.lines.len());
+    assert_eq!(paper.points.len(), 4);
+    assert!(paper.points.iter().all(|p| p.y.abs() < 1e-3), "on the ground: {:?}", paper.points);
+    let lowest = paper.lines.iter().map(|l| if l.0.y < l.1.y { l.0.y } else { l.1.y });
+    let lowest = lowest.fold(1.0, |a, b| if b < a { b } else { a });
+    assert!(lowest.abs() < 0.05, "rims end at the ground: {lowest}");
+    // Forces: at rest up, with the weight in all.
+    let pushed = drawn(&w, &alone(true, true)).lines;
+    let up: f64 = pushed.iter().map(|l| l.1.y - l.0.y).sum::<f64>()
+        - paper.lines.iter().map(|l| l.1.y - l.0.y).sum::<f64>();
+    assert!((up / (0.01 * 1300.0 * 9.81) - 1.0).abs() < 0.05, "{up} m of force");
+    w.set_vehicle_enabled(v, false).expect("off");
+    assert!(drawn(&w, &alone(true, true)).lines.is_empty());
+}

@@ -8,7 +8,7 @@ use common::rng::Rng;
 use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
 use jounce::vehicles::{self, VehicleKit, carry};
-use jounce::{Command, DifferentialKind, Error, TyreDesc};
+use jounce::{AxisLocks, Command, DifferentialKind, Error, FieldDesc, FieldLaw, TyreDesc};
 
 const G: f64 = 9.81;
 
@@ -768,4 +768,117 @@ fn commands_take_vehicles_in_and_out() {
     assert!(w.vehicle(v).is_err());
     steps(&mut w, 1.0);
     assert!(w.body(body).unwrap().center_of_mass().y < high - 0.1);
+}
+
+#[test]
+fn a_board_stands_as_deep_as_its_springs_say() {
+    let mut w = world();
+    snow(&mut w, 0.0);
+    let v = vehicles::snowboard().add(&mut w, [0.0; 3], Quat::IDENTITY).unwrap();
+    let b = chassis(&w, v);
+    w.set_can_sleep(b, false).unwrap();
+    steps(&mut w, 4.0);
+    // Its stations are at the origin's height; m g/k with 80 kg on 40 kN/m.
+    let (sag, want) = (-w.body(b).unwrap().pose().p.y, 80.0 * G / 40_000.0);
+    println!("sinks {sag:.5} m for {want:.5} m");
+    assert!((sag / want - 1.0).abs() < 0.01, "{sag} for {want}");
+    let n = loads(&w, v);
+    let all: f64 = n.iter().sum();
+    assert!((all / (80.0 * G) - 1.0).abs() < 1e-3, "{n:?}");
+}
+
+#[test]
+fn a_flat_board_slides_alike_in_all_directions() {
+    // Coulomb: μ N against the slip, whichever way the board lies; along and across apart it was up to √2 μ N.
+    let mut way = Vec::new();
+    for degrees in [0.0_f32, 30.0, 45.0, 90.0] {
+        let mut w = world();
+        snow(&mut w, 0.0);
+        let mut kit = vehicles::snowboard();
+        kit.vehicle.aero.clear();
+        if let Some(b) = &mut kit.vehicle.board {
+            (b.friction, b.edge_friction) = (0.1, 0.1);
+        }
+        kit.body = kit.body.locks(AxisLocks { angular: [true; 3], ..AxisLocks::NONE });
+        let turned = Quat::from_axis_angle(Vec3::Y, degrees.to_radians());
+        let v = kit.add(&mut w, [0.0; 3], turned).unwrap();
+        let b = chassis(&w, v);
+        steps(&mut w, 2.0);
+        w.set_velocity(b, Vec3::new(0.0, 0.0, 4.0)).unwrap();
+        let from = position(&w, v);
+        steps(&mut w, 3.0);
+        for t in w.vehicle(v).unwrap().wheels() {
+            let [x, y] = [t.longitudinal_force, t.lateral_force];
+            let f = (x * x + y * y).sqrt();
+            assert!(f <= t.friction * t.load * 1.000_1 + 1e-3, "{degrees}°: {f} N of {t:?}");
+        }
+        let gone = position(&w, v) - from;
+        assert!(gone.x.abs() < 0.05, "{degrees}° goes aside by {}", gone.x);
+        way.push(gone.z);
+    }
+    // v t − ½ μ g t² with t = 3 s.
+    let want = 4.0 * 3.0 - 0.5 * 0.1 * G * 9.0;
+    println!("ways {way:?} for {want:.3}");
+    assert!(way.iter().all(|z| (z / want - 1.0).abs() < 0.02), "{way:?} for {want}");
+}
+
+#[test]
+fn a_locked_wheel_slides_with_the_kinetic_friction() {
+    let mut w = world();
+    road(&mut w, 1.0);
+    let mut kit = plain(1.0);
+    for x in &mut kit.vehicle.wheels {
+        (x.tyre.static_friction, x.tyre.kinetic_friction) = (0.9, 0.6);
+        (x.tyre.load_sensitivity, x.brake) = (0.0, 1e5);
+    }
+    let v = going(&mut w, kit, 0.0);
+    steps(&mut w, 2.0);
+    let b = chassis(&w, v);
+    w.set_velocity(b, Vec3::new(0.0, 0.0, 25.0)).unwrap();
+    w.set_vehicle_input(v, VehicleInput::brake(1.0)).unwrap();
+    steps(&mut w, 0.5);
+    let from = w.body(b).unwrap().velocity().z;
+    steps(&mut w, 1.0);
+    let mu = f64::from(from - w.body(b).unwrap().velocity().z) / G;
+    // The road's 1 and the tyre's μ: √(0.6 · 1).
+    let want = 0.6_f64.sqrt();
+    println!("locked: μ {mu:.4} for {want:.4}");
+    assert!((mu / want - 1.0).abs() < 5e-3, "{mu} for {want}");
+}
+
+#[test]
+fn wind_and_media_reach_the_air_on_a_vehicle() {
+    let decelerates = |field: Option<FieldDesc>| {
+        let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+        if let Some(f) = field {
+            w.add_field(f).unwrap();
+        }
+        let mut kit = vehicles::car();
+        kit.vehicle.aero[0].position = Vec3::new(0.0, 0.5, 0.1);
+        // The shapes' own drag is not asked about.
+        for s in &mut kit.body.shapes {
+            s.aero.drag = Some(0.0);
+        }
+        let v = kit.add(&mut w, [0.0; 3], Quat::IDENTITY).unwrap();
+        let b = chassis(&w, v);
+        w.set_velocity(b, Vec3::new(0.0, 0.0, 20.0)).unwrap();
+        steps(&mut w, 0.5);
+        f64::from(20.0 - w.body(b).unwrap().velocity().z)
+    };
+    // 1/v grows by ½ ρ C A t/m, v against the wind.
+    let want = |rho: f64, wind: f64| {
+        let v = 20.0 - wind;
+        v - 1.0 / (1.0 / v + 0.5 * rho * 0.65 * 0.5 / 1300.0)
+    };
+    let air = f64::from(jounce::AIR_DENSITY);
+    let dense = FieldDesc::new(FieldLaw::Drag { density: 100.0, viscosity: 0.0 });
+    for (name, field, want) in [
+        ("still", None, want(air, 0.0)),
+        ("head wind", Some(FieldDesc::wind([0.0, 0.0, -15.0])), want(air, -15.0)),
+        ("dense", Some(dense), want(100.0, 0.0)),
+    ] {
+        let got = decelerates(field);
+        println!("{name}: {got:.5} m/s lost for {want:.5}");
+        assert!((got / want - 1.0).abs() < 0.02, "{name}: {got} for {want}");
+    }
 }

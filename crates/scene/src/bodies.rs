@@ -172,6 +172,11 @@ impl Names {
         resolve_name("body", text, known, |name| self.0.get(name).map(|b| b.count))
     }
 
+    /// Are all bodies that a text names fixed?
+    pub(crate) fn are_fixed(&self, text: &str) -> bool {
+        self.resolve_only(text, &[BodyKind::Fixed], "").is_ok()
+    }
+
     /// The bodies that a text names, all of which must be of these kinds; `expected` says so.
     pub(crate) fn resolve_only(&self, text: &str, kinds: &[BodyKind], expected: &str) -> Checked<Target> {
         let target = self.resolve(text)?;

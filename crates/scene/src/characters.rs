@@ -20,12 +20,13 @@ pub(crate) struct CharacterGroup {
 }
 
 impl CharacterGroup {
-    /// Character `n`.
-    pub(crate) fn character(&self, n: usize) -> CharacterDesc {
+    /// Character `n`, where so many were made before.
+    pub(crate) fn character(&self, n: usize, made: usize) -> CharacterDesc {
         let mut d = self.desc.clone();
         d.position += self.group.places[n].position;
         let name = self.group.name.as_ref();
-        d.name = name.map(|name| if self.group.single { name.clone() } else { format!("{name}[{n}]") });
+        d.name =
+            name.map(|name| if self.group.single { name.clone() } else { format!("{name}[{}]", made + n) });
         d
     }
 }
@@ -64,24 +65,28 @@ impl CharacterRecords {
     }
 }
 
-/// All entries of `characters`. Their bodies get their names among the bodies.
+/// Entries of `characters`, each made so many times. Their bodies get their names among the bodies.
 pub(crate) fn characters(
     all: &[CharacterSpec],
+    times: u64,
     census: &mut Census,
     names: &mut Names,
-) -> Checked<(Vec<CharacterGroup>, CharacterNames)> {
-    let (mut out, mut character_names) = (Vec::with_capacity(all.len()), CharacterNames::default());
+    (out, character_names): &mut (Vec<CharacterGroup>, CharacterNames),
+) -> Checked<()> {
     for (i, c) in all.iter().enumerate() {
-        let g = entry(c, census).index(i).key("characters")?;
+        let mut g = entry(c, census).index(i).key("characters")?;
+        g.group.single &= times == 1;
+        let count = (g.group.len() as u64).saturating_mul(times);
+        census.add(count - g.group.len() as u64, 1).index(i).key("characters")?;
         if let Some(name) = &g.group.name {
             let kind = g.group.templates[0].desc.kind;
-            let bearers = Bearers::new(g.group.len() as u64, vec![kind]);
+            let bearers = Bearers::new(count, vec![kind]);
             names.add(name, bearers).index(i).key("characters")?;
-            character_names.0.insert(name.clone(), g.group.len() as u64);
+            character_names.0.insert(name.clone(), count);
         }
         out.push(g);
     }
-    Ok((out, character_names))
+    Ok(())
 }
 
 fn entry(c: &CharacterSpec, census: &mut Census) -> Checked<CharacterGroup> {

@@ -1,20 +1,23 @@
 //! A scene, read and checked.
 
 use crate::bodies::{Census, Group, Names, color, group, scatter};
-use crate::characters::{CharacterGroup, characters};
+use crate::characters::CharacterGroup;
 use crate::emitters::{Emitters, emitters};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::fields::{Field, fields};
 use crate::joints::{JointGroup, JointNames, find_ends, group as joint_group};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
-use crate::plan::{Entry, Expect, Look, Named, Sources, expects, probes, step_at, step_from, timeline};
-use crate::ragdolls::{RagdollGroup, ragdolls};
+use crate::plan::{
+    Cast, Entry, Expect, Look, Made, Movers, Named, Sources, expects, made, probes, step_at, step_from,
+    timeline,
+};
+use crate::ragdolls::RagdollGroup;
 use crate::read::read;
 use crate::shapes::{Library, settings};
-use crate::spec::{SceneSpec, TrailsSpec};
+use crate::spec::{SceneSpec, TrailsSpec, VehicleSpec};
 use crate::systems::{System, systems};
-use crate::vehicles::{VehicleGroup, vehicles};
+use crate::vehicles::{Chassis, VehicleGroup};
 use jounce::math::Vec3;
 use jounce::{World, WorldDesc};
 use std::collections::{BTreeMap, BTreeSet};
@@ -42,9 +45,12 @@ pub struct Scene {
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
     pub(crate) joints: Vec<JointGroup>,
+    /// Those of `spawn` too, as characters and ragdolls.
     pub(crate) vehicles: Vec<VehicleGroup>,
     pub(crate) characters: Vec<CharacterGroup>,
     pub(crate) ragdolls: Vec<RagdollGroup>,
+    /// Which of them are there from the start.
+    pub(crate) movers: Movers,
     pub(crate) fields: Vec<Field>,
     pub(crate) emitters: Vec<Emitters>,
     pub(crate) systems: Vec<System>,
@@ -137,15 +143,15 @@ impl Scene {
 
     /// Joints that are there from the start.
     pub fn joints(&self) -> usize {
-        let dolls = self.ragdolls.iter().map(RagdollGroup::joints);
+        let dolls = self.ragdolls[self.movers.ragdolls.clone()].iter().map(RagdollGroup::joints);
         self.joints.iter().map(JointGroup::len).chain(dolls).sum()
     }
 
     /// Bodies that are there from the start.
     pub fn bodies(&self) -> usize {
-        let vehicles = self.vehicles.iter().map(VehicleGroup::own_bodies);
-        let characters = self.characters.iter().map(|c| c.group.len());
-        let dolls = self.ragdolls.iter().map(|r| r.bodies.len());
+        let vehicles = self.vehicles[self.movers.vehicles.clone()].iter().map(VehicleGroup::own_bodies);
+        let characters = self.characters[self.movers.characters.clone()].iter().map(|c| c.group.len());
+        let dolls = self.ragdolls[self.movers.ragdolls.clone()].iter().map(|r| r.bodies.len());
         self.groups.iter().map(Group::len).chain(vehicles).chain(characters).chain(dolls).sum()
     }
 }
@@ -169,25 +175,27 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         groups.push(g);
     }
     trial(&spec, &world, &groups)?;
-    let (vehicles, vehicle_names) = vehicles(&spec.vehicles, &mut census, &mut names)?;
-    let (characters, character_names) = characters(&spec.characters, &mut census, &mut names)?;
     let mut joint_names = JointNames::default();
-    let (ragdolls, ragdoll_names) =
-        ragdolls(&spec.ragdolls, &mut library, &mut census, &mut names, &mut joint_names)?;
+    let mut cast = Cast::default();
+    let mut named = Named { bodies: &mut names, joints: &mut joint_names };
+    let start = (&spec.vehicles[..], &spec.characters[..], &spec.ragdolls[..]);
+    let movers = cast.add(start, 1, &mut library, &mut census, &mut named)?;
     let joints = joints(&spec, &names, &mut joint_names, &mut census)?;
     let fields = fields(&spec.fields, &names)?;
     let emitters = emitters(&spec.emitters, &mut library, &names)?;
     let systems = systems(&spec.systems, 1.0 / (world.rate_hz * f64::from(world.substeps)))?;
+    let mut named = Named { bodies: &mut names, joints: &mut joint_names };
+    let made = made(&spec.timeline, &mut library, &mut census, &mut named, &mut cast)?;
+    carried(&spec, &world, &groups, &made, &cast, &movers)?;
     let sources = Sources {
         fields: &fields,
         emitters: &emitters,
         systems: &systems,
-        vehicles: (&vehicle_names, &vehicles),
-        characters: &character_names,
-        ragdolls: (&ragdoll_names, &ragdolls),
+        vehicles: (&cast.vehicles.1, &cast.vehicles.0),
+        characters: &cast.characters.1,
+        ragdolls: (&cast.ragdolls.1, &cast.ragdolls.0),
     };
-    let mut named = Named { bodies: &mut names, joints: &mut joint_names };
-    let timeline = timeline(&spec.timeline, &mut library, &mut census, &mut named, &sources)?;
+    let timeline = timeline(&spec.timeline, made, &named, &sources)?;
     let probes = probes(&spec.probes, &named, &sources)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
     within(&spec, world.rate_hz)?;
@@ -198,9 +206,10 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         world,
         groups,
         joints,
-        vehicles,
-        characters,
-        ragdolls,
+        vehicles: cast.vehicles.0,
+        characters: cast.characters.0,
+        ragdolls: cast.ragdolls.0,
+        movers,
         fields,
         emitters,
         systems,
@@ -259,6 +268,48 @@ fn trial(spec: &SceneSpec, world: &WorldDesc, groups: &[Group]) -> Checked<()> {
     for (i, g) in groups.iter().skip(spec.bodies.len()).enumerate() {
         for t in 0..g.templates.len() {
             try_one(&mut world, g, t).index(t).key("bodies").index(i).key("scatter")?;
+        }
+    }
+    Ok(())
+}
+
+/// Puts every vehicle on a body of the scene once, for what the engine refuses: wheels too heavy for it, above all.
+fn carried(
+    spec: &SceneSpec,
+    world: &WorldDesc,
+    groups: &[Group],
+    made: &[Made],
+    cast: &Cast,
+    start: &Movers,
+) -> Checked<()> {
+    let mut world = World::new(world.clone())?;
+    let spawned = made.iter().flat_map(|((groups, ..), _)| groups);
+    let all: Vec<&Group> = groups.iter().chain(spawned).collect();
+    let mut one = |i: usize, v: Option<&VehicleSpec>| {
+        let Some(g) = cast.vehicles.0.get(i) else { return Ok(()) };
+        let Chassis::Of(body) = &g.chassis else { return Ok(()) };
+        let Some(own) = all.iter().find(|o| o.name.as_ref() == Some(&body.name)) else { return Ok(()) };
+        let id = world.add_body(own.template(body.index.unwrap_or(0)).desc.clone())?;
+        let added = world.add_vehicle(g.vehicle(0, id));
+        world.remove_body(id)?;
+        let Err(e) = added else { return Ok(()) };
+        let wheel = v.is_some_and(|v| v.wheel.as_ref().is_some_and(|w| w.mass.is_some()));
+        Err(match e {
+            jounce::Error::BadValue { what: "wheel", field: "mass", value, expected } => {
+                let message = format!("have {value} kg together, on the body \"{}\"", body.name);
+                Wrong::new(message, expected).key(if wheel { "wheel" } else { "wheels" })
+            }
+            e => e.into(),
+        })
+    };
+    for i in start.vehicles.clone() {
+        one(i, spec.vehicles.get(i)).index(i).key("vehicles")?;
+    }
+    for (n, ((_, _, movers), _)) in made.iter().enumerate() {
+        let told = spec.timeline.get(n).and_then(|t| t.spawn.as_ref());
+        for (k, i) in movers.vehicles.clone().enumerate() {
+            let v = told.and_then(|s| s.vehicles.get(k));
+            one(i, v).index(k).key("vehicles").key("spawn").index(n).key("timeline")?;
         }
     }
     Ok(())

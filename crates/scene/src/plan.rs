@@ -1,7 +1,7 @@
 //! Probes, timed actions and expectations, checked against the bodies of the scene before anything runs.
 
 use crate::bodies::{Census, Group, Names, Target, group};
-use crate::characters::{CharacterNames, Wish, walk};
+use crate::characters::{CharacterGroup, CharacterNames, Wish, characters, walk};
 use crate::emitters::{Emitters, find as find_emitter};
 use crate::error::{Checked, Under, Wrong, closest};
 use crate::fields::{Field, explosion, find as find_field};
@@ -10,17 +10,19 @@ use crate::joints::{
 };
 use crate::limits;
 use crate::movers::{CharacterValue, VehicleValue, of_characters, of_vehicles};
-use crate::ragdolls::{Hold, Posing, RagdollGroup, RagdollNames, grab, held, pose};
+use crate::ragdolls::{Hold, Posing, RagdollGroup, RagdollNames, grab, held, pose, ragdolls};
 use crate::shapes::{Library, rotation, unknown};
 use crate::spec::{
-    AggregateSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, TimelineSpec, VehicleInputSpec,
+    AggregateSpec, CharacterSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, RagdollSpec,
+    TimelineSpec, VehicleInputSpec, VehicleSpec,
 };
 use crate::systems::System;
-use crate::vehicles::{VehicleGroup, VehicleNames, drive};
+use crate::vehicles::{VehicleGroup, VehicleNames, drive, vehicles};
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, Explosion, JointKind};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// What a scene holds beside bodies, for those who name it.
 #[derive(Clone, Copy)]
@@ -31,6 +33,50 @@ pub(crate) struct Sources<'a> {
     pub vehicles: (&'a VehicleNames, &'a [VehicleGroup]),
     pub characters: &'a CharacterNames,
     pub ragdolls: (&'a RagdollNames, &'a [RagdollGroup]),
+}
+
+/// Which of a scene's vehicles, characters and ragdolls.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Movers {
+    pub vehicles: Range<usize>,
+    pub characters: Range<usize>,
+    pub ragdolls: Range<usize>,
+}
+
+impl Movers {
+    fn is_empty(&self) -> bool {
+        self.vehicles.is_empty() && self.characters.is_empty() && self.ragdolls.is_empty()
+    }
+}
+
+/// All vehicles, characters and ragdolls of a scene, those of `spawn` after those of the start.
+#[derive(Default)]
+pub(crate) struct Cast {
+    pub vehicles: (Vec<VehicleGroup>, VehicleNames),
+    pub characters: (Vec<CharacterGroup>, CharacterNames),
+    pub ragdolls: (Vec<RagdollGroup>, RagdollNames),
+}
+
+impl Cast {
+    /// Adds entries that are made so many times, and their names.
+    pub(crate) fn add(
+        &mut self,
+        (v, c, r): (&[VehicleSpec], &[CharacterSpec], &[RagdollSpec]),
+        times: u64,
+        library: &mut Library,
+        census: &mut Census,
+        named: &mut Named<'_>,
+    ) -> Checked<Movers> {
+        let from = [self.vehicles.0.len(), self.characters.0.len(), self.ragdolls.0.len()];
+        vehicles(v, times, census, named.bodies, &mut self.vehicles)?;
+        characters(c, times, census, named.bodies, &mut self.characters)?;
+        ragdolls(r, times, library, census, named, &mut self.ragdolls)?;
+        Ok(Movers {
+            vehicles: from[0]..self.vehicles.0.len(),
+            characters: from[1]..self.characters.0.len(),
+            ragdolls: from[2]..self.ragdolls.0.len(),
+        })
+    }
 }
 
 /// Who bears which name.
@@ -474,7 +520,7 @@ impl Entry {
 
 #[derive(Clone, Debug)]
 pub(crate) enum Action {
-    Spawn(Vec<Group>, Vec<JointGroup>),
+    Spawn(Vec<Group>, Vec<JointGroup>, Movers),
     Push { target: Target, push: Push, duration: f64 },
     SetVelocity { target: Target, velocity: Option<Vec3>, angular_velocity: Option<Vec3> },
     Remove(Target),
@@ -492,6 +538,7 @@ pub(crate) enum Action {
     SetMotor(Target, NewMotor),
     SetJoint(Target, Box<JointKind>, Measure),
     EnableJoint(Target, bool),
+    EnableVehicle(Target, bool),
     Drive { target: Target, input: VehicleInputSpec, duration: f64 },
     Walk(Target, Wish),
     Pose(Target, Posing),
@@ -508,14 +555,17 @@ pub(crate) struct Push {
     pub at: Option<DVec3>,
 }
 
-/// Checks the timeline. Two passes: spawned bodies and joints get their names before actions and joints look names up.
-pub(crate) fn timeline(
+/// What an entry of the timeline makes: bodies, joints and movers, and a hand that holds.
+pub(crate) type Made = ((Vec<Group>, Vec<JointGroup>, Movers), Option<Hold>);
+
+/// Checks what the timeline makes: all of it gets its names before actions and joints look names up.
+pub(crate) fn made(
     all: &[TimelineSpec],
     library: &mut Library,
     census: &mut Census,
     named: &mut Named<'_>,
-    sources: &Sources<'_>,
-) -> Checked<Vec<Entry>> {
+    cast: &mut Cast,
+) -> Checked<Vec<Made>> {
     let mut spawned = Vec::with_capacity(all.len());
     let mut total = 0u64;
     for (i, t) in all.iter().enumerate() {
@@ -528,10 +578,20 @@ pub(crate) fn timeline(
                 .index(i)
                 .key("timeline"));
         }
-        let made = spawn(t, times, library, census, named).key("spawn").index(i).key("timeline")?;
+        let made = spawn(t, times, library, census, named, cast).key("spawn").index(i).key("timeline")?;
         let hand = t.grab.as_ref().map(|g| grab(g, times, census, named.bodies)).transpose();
         spawned.push((made, hand.key("grab").index(i).key("timeline")?));
     }
+    Ok(spawned)
+}
+
+/// Checks the timeline, given what it makes.
+pub(crate) fn timeline(
+    all: &[TimelineSpec],
+    spawned: Vec<Made>,
+    named: &Named<'_>,
+    sources: &Sources<'_>,
+) -> Checked<Vec<Entry>> {
     let mut out = Vec::with_capacity(all.len());
     for (i, (t, spawned)) in all.iter().zip(spawned).enumerate() {
         let action = action(t, spawned, named, sources).index(i).key("timeline")?;
@@ -558,7 +618,8 @@ fn spawn(
     library: &mut Library,
     census: &mut Census,
     named: &mut Named<'_>,
-) -> Checked<(Vec<Group>, Vec<JointGroup>)> {
+    cast: &mut Cast,
+) -> Checked<(Vec<Group>, Vec<JointGroup>, Movers)> {
     let (mut groups, mut joints) = (Vec::new(), Vec::new());
     for (i, b) in t.spawn.iter().flat_map(|s| &s.bodies).enumerate() {
         let under = |w: Wrong| w.index(i).key("bodies");
@@ -577,10 +638,17 @@ fn spawn(
         named.joints.add(&g, times).map_err(under)?;
         joints.push(g);
     }
-    if t.spawn.is_some() && groups.is_empty() && joints.is_empty() {
-        return Err(Wrong::new("nothing is spawned", "bodies, joints or both"));
+    let movers = match &t.spawn {
+        Some(s) => {
+            let all = (&s.vehicles[..], &s.characters[..], &s.ragdolls[..]);
+            cast.add(all, times, library, census, named)?
+        }
+        None => Movers::default(),
+    };
+    if t.spawn.is_some() && groups.is_empty() && joints.is_empty() && movers.is_empty() {
+        return Err(Wrong::new("nothing is spawned", "bodies, joints, vehicles, characters or ragdolls"));
     }
-    Ok((groups, joints))
+    Ok((groups, joints, movers))
 }
 
 /// Looks up what spawned joints join.
@@ -603,7 +671,7 @@ fn spawned_ends(
 
 fn action(
     t: &TimelineSpec,
-    (spawned, hand): ((Vec<Group>, Vec<JointGroup>), Option<Hold>),
+    (spawned, hand): Made,
     named: &Named<'_>,
     sources: &Sources<'_>,
 ) -> Checked<Action> {
@@ -627,6 +695,7 @@ fn action(
         ("set_motor", t.set_motor.is_some()),
         ("set_joint", t.set_joint.is_some()),
         ("enable_joint", t.enable_joint.is_some()),
+        ("enable_vehicle", t.enable_vehicle.is_some()),
         ("drive", t.drive.is_some()),
         ("walk", t.walk.is_some()),
         ("pose", t.pose.is_some()),
@@ -721,6 +790,10 @@ fn action(
         let target = named.joints.resolve(&e.joint).key("joint").key("enable_joint")?;
         return Ok(Action::EnableJoint(target, e.enabled));
     }
+    if let Some(e) = &t.enable_vehicle {
+        let target = sources.vehicles.0.resolve(&e.vehicle).key("vehicle").key("enable_vehicle")?;
+        return Ok(Action::EnableVehicle(target, e.enabled));
+    }
     if let Some(d) = &t.drive {
         let (target, input, duration) = drive(d, sources.vehicles.0).key("drive")?;
         return Ok(Action::Drive { target, input, duration });
@@ -739,9 +812,9 @@ fn action(
         hand.body = held(g, names).key("grab")?;
         return Ok(Action::Grab(Box::new(hand)));
     }
-    let (groups, mut joints) = spawned;
+    let (groups, mut joints, movers) = spawned;
     spawned_ends(t, &groups, &mut joints, named)?;
-    Ok(Action::Spawn(groups, joints))
+    Ok(Action::Spawn(groups, joints, movers))
 }
 
 fn bounded(v: [f32; 3], limit: f32, unit: &str) -> Checked<Vec3> {

@@ -3,6 +3,7 @@
 use crate::bodies::{Census, Group, Names, Place, Target, Template, check_name, color, grid, resolve_name};
 use crate::error::{Checked, Under, Wrong};
 use crate::joints::{JointNames, frame, stiffness};
+use crate::plan::Named;
 use crate::shapes::{Library, rotation, unknown};
 use crate::spec::{
     BoneJointSpec, BoneSpec, GrabSpec, PoseSpec, RagdollPresetSpec, RagdollSpec, StiffnessSpec,
@@ -39,9 +40,9 @@ impl RagdollGroup {
     pub(crate) fn joints(&self) -> usize {
         self.len() * self.desc.bones.iter().filter(|b| b.joint.is_some()).count()
     }
-    /// Ragdoll `n`, its bones named as the bodies are.
+    /// Ragdoll `n` of all that are made, its bones named as the bodies are.
     pub(crate) fn ragdoll(&self, n: usize) -> RagdollDesc {
-        let (place, mut d) = (&self.places[n], self.desc.clone());
+        let (place, mut d) = (&self.places[n % self.places.len()], self.desc.clone());
         d.position += place.position;
         d.rotation = (place.rotation * d.rotation).normalize();
         d.velocity += place.velocity;
@@ -64,16 +65,20 @@ fn joint_name(doll: Option<&str>, bone: &str) -> Option<String> {
 
 /// Names of ragdolls: how many bear each, and which entry they are of.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct RagdollNames(BTreeMap<String, (u64, usize)>);
+pub(crate) struct RagdollNames {
+    all: BTreeMap<String, (u64, usize)>,
+    /// How many groups of their own were given.
+    groups: i32,
+}
 
 impl RagdollNames {
     /// The ragdolls that a text names: `name` (all of them) or `name[n]`.
     pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
-        let known = self.0.keys().map(String::as_str);
-        resolve_name("ragdoll", text, known, |name| self.0.get(name).map(|r| r.0))
+        let known = self.all.keys().map(String::as_str);
+        resolve_name("ragdoll", text, known, |name| self.all.get(name).map(|r| r.0))
     }
     fn entry(&self, t: &Target) -> usize {
-        self.0.get(&t.name).map_or(0, |r| r.1)
+        self.all.get(&t.name).map_or(0, |r| r.1)
     }
 }
 
@@ -99,37 +104,42 @@ impl RagdollRecords {
     }
 }
 
-/// All entries of `ragdolls`. Their bodies and joints get their names.
+/// Entries of `ragdolls`, each made so many times. Their bodies and joints get their names.
 pub(crate) fn ragdolls(
     all: &[RagdollSpec],
+    times: u64,
     library: &mut Library,
     census: &mut Census,
-    names: &mut Names,
-    joints: &mut JointNames,
-) -> Checked<(Vec<RagdollGroup>, RagdollNames)> {
-    let (mut out, mut ragdoll_names) = (Vec::with_capacity(all.len()), RagdollNames::default());
-    // Groups of their own begin where no scene's own are likely to be.
-    let mut next = -1_000_000;
+    named: &mut Named<'_>,
+    (out, ragdoll_names): &mut (Vec<RagdollGroup>, RagdollNames),
+) -> Checked<()> {
     for (i, r) in all.iter().enumerate() {
         let mut g = entry(r, library, census).index(i).key("ragdolls")?;
-        g.collision_group = r.group.unwrap_or(next);
-        next -= g.len() as i32;
+        g.single &= times == 1;
+        let more = (times - 1).saturating_mul(g.len() as u64);
+        let shapes = g.desc.bones.iter().map(|b| b.shapes.len() as u64).sum::<u64>();
+        let bones = g.bones() as u64;
+        census.add(more.saturating_mul(bones), shapes.div_ceil(bones)).index(i).key("ragdolls")?;
+        census.joints(more.saturating_mul((g.joints() / g.len().max(1)) as u64)).index(i).key("ragdolls")?;
+        // Groups of their own begin where no scene's own are likely to be.
+        g.collision_group = r.group.unwrap_or(-1_000_000 - ragdoll_names.groups);
+        ragdoll_names.groups += g.len() as i32 * times as i32;
         if let Some(name) = &g.name {
-            let bodies = g.bodies.names(1);
+            let bodies = g.bodies.names(times);
             bodies
-                .and_then(|n| n.into_iter().try_for_each(|(n, b)| names.add(&n, b)))
-                .and_then(|()| name_joints(&g, name, joints))
+                .and_then(|n| n.into_iter().try_for_each(|(n, b)| named.bodies.add(&n, b)))
+                .and_then(|()| name_joints(&g, name, times, named.joints))
                 .index(i)
                 .key("ragdolls")?;
-            ragdoll_names.0.insert(name.clone(), (g.len() as u64, i));
+            ragdoll_names.all.insert(name.clone(), (g.len() as u64 * times, out.len()));
         }
         out.push(g);
     }
-    Ok((out, ragdoll_names))
+    Ok(())
 }
 
-fn name_joints(g: &RagdollGroup, name: &str, joints: &mut JointNames) -> Checked<()> {
-    let n = g.len() as u64;
+fn name_joints(g: &RagdollGroup, name: &str, times: u64, joints: &mut JointNames) -> Checked<()> {
+    let n = g.len() as u64 * times;
     let jointed: Vec<_> = g.desc.bones.iter().filter_map(|b| Some((&b.name, b.joint.as_ref()?))).collect();
     for (bone, j) in &jointed {
         let kind = match j.kind {
@@ -210,12 +220,12 @@ fn bones(all: &[BoneSpec], library: &mut Library) -> Checked<Vec<BoneDesc>> {
     }
     let mut out: Vec<BoneDesc> = Vec::with_capacity(all.len());
     for (i, b) in all.iter().enumerate() {
-        out.push(bone(b, &out, library).index(i)?);
+        out.push(bone(b, &out, all, library).index(i)?);
     }
     Ok(out)
 }
 
-fn bone(b: &BoneSpec, before: &[BoneDesc], library: &mut Library) -> Checked<BoneDesc> {
+fn bone(b: &BoneSpec, before: &[BoneDesc], all: &[BoneSpec], library: &mut Library) -> Checked<BoneDesc> {
     let plain = !b.name.is_empty() && b.name.len() <= 64 && !b.name.contains(['[', ']', '.']);
     if !plain {
         let expected = "1 to 64 bytes without dots and square brackets";
@@ -245,6 +255,14 @@ fn bone(b: &BoneSpec, before: &[BoneDesc], library: &mut Library) -> Checked<Bon
         (Some(name), Some(j)) => {
             let known = before.iter().map(|o| o.name.as_str());
             let Some(parent) = before.iter().position(|o| o.name == *name) else {
+                let expected = "parents before their children in the list";
+                if *name == b.name {
+                    return Err(Wrong::new(format!("\"{name}\" is the bone itself"), expected).key("parent"));
+                }
+                if all.iter().any(|o| o.name == *name) {
+                    let message = format!("\"{name}\" comes after this bone");
+                    return Err(Wrong::new(message, expected).key("parent"));
+                }
                 return Err(unknown("bone", name, known).key("parent"));
             };
             Some(bone_joint(j, parent).key("joint")?)

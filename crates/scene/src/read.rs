@@ -4,6 +4,7 @@ use crate::error::{Checked, Fault, SceneError, Wrong, closest};
 use crate::json::{KeyPath, Position, Segment, scan};
 use crate::limits;
 use crate::spec::SceneSpec;
+use serde_json::Value;
 use serde_path_to_error::Segment as Serde;
 
 /// Reads a scene file's text.
@@ -65,10 +66,54 @@ fn explain(e: &serde_path_to_error::Error<serde_json::Error>) -> Wrong {
         return Wrong::at(path, format!("\"{word}\" is unknown"), expected).suggest(closest(word, names));
     }
     if let Some(key) = quoted(message, "missing field") {
-        let expected = if key == "jounce" { "\"jounce\": 1, the version of the format" } else { "" };
+        let expected = match key {
+            "jounce" => "\"jounce\": 1, the version of the format".into(),
+            _ => wanted(&path.0, key),
+        };
         return Wrong::at(path, format!("the key `{key}` is missing"), expected);
     }
     Wrong::at(path, plain(message), plain(expected))
+}
+
+/// What the schema says of a key of the object at a path.
+fn wanted(path: &[Segment], key: &str) -> String {
+    let schema = serde_json::to_value(schemars::schema_for!(SceneSpec)).unwrap_or_default();
+    let mut whole: Vec<Segment> = path.to_vec();
+    whole.push(Segment::Key(key.into()));
+    let Some(found) = walk(&schema, &schema, &whole) else { return format!("\"{key}\": a value") };
+    let size = |name: &str| found[name].as_u64();
+    let what = match found["type"].as_str() {
+        Some("number") => "a number".to_string(),
+        Some("integer") => "a whole number".into(),
+        Some("string") => "a text".into(),
+        Some("boolean") => "true or false".into(),
+        Some("array") => match size("minItems") {
+            Some(n) if size("maxItems") == Some(n) => format!("an array of length {n}"),
+            _ => "an array".into(),
+        },
+        _ => "a value".into(),
+    };
+    match found["description"].as_str().and_then(|d| d.lines().next()) {
+        Some(d) => format!("{what} ({})", d.trim_end_matches('.')),
+        None => what,
+    }
+}
+
+/// The part of a schema for what is at a path.
+fn walk<'a>(root: &'a Value, node: &'a Value, path: &[Segment]) -> Option<&'a Value> {
+    let Some((first, rest)) = path.split_first() else { return Some(node) };
+    if let Some(name) = node["$ref"].as_str() {
+        return walk(root, root.pointer(name.strip_prefix('#')?)?, path);
+    }
+    let direct = match first {
+        Segment::Key(k) => node["properties"].get(k).or(node.get("additionalProperties")),
+        Segment::Index(_) => node.get("items"),
+    };
+    if let Some(found) = direct.and_then(|d| walk(root, d, rest)) {
+        return Some(found);
+    }
+    let choices = ["anyOf", "oneOf", "allOf"].into_iter().filter_map(|k| node[k].as_array()).flatten();
+    choices.into_iter().find_map(|c| walk(root, c, path))
 }
 
 /// The word in backquotes after a phrase.

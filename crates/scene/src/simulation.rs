@@ -6,7 +6,7 @@ use crate::characters::{CharacterGroup, CharacterRecords};
 use crate::error::SceneError;
 use crate::joints::{JointGroup, JointLook, JointRecords, measured};
 use crate::load::Scene;
-use crate::plan::{Action, Look, Push, step_at, step_from};
+use crate::plan::{Action, Look, Movers, Push, step_at, step_from};
 use crate::probe::{EventCounts, Records, Seen, evaluate};
 use crate::ragdolls::{Hold, RagdollGroup, RagdollRecords};
 use crate::report::{Judge, Report, StepTimes};
@@ -16,7 +16,7 @@ use crate::vehicles::{Chassis, Driver, VehicleGroup, VehicleRecords, input, towa
 use jounce::math::{Quat, Vec3, WorldPose};
 use jounce::tasks::Tasks;
 use jounce::{
-    BodyId, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, StateHasher,
+    BodyId, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, Ragdoll, StateHasher,
     VehicleId, VehicleInput, World,
 };
 use std::time::Instant;
@@ -62,6 +62,8 @@ pub struct Simulation {
     warnings: Warnings,
     start_energy: f64,
     palette: usize,
+    /// Things that the action under way meant and that had gone.
+    gone: usize,
 }
 
 /// What was said, and of what it needs not be said again.
@@ -71,6 +73,8 @@ struct Warnings {
     systems: Vec<bool>,
     emitters: Vec<bool>,
     limits: Vec<&'static str>,
+    /// Entries of the timeline that met something that had gone.
+    gone: Vec<usize>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -129,15 +133,17 @@ impl Simulation {
             warnings: Warnings::default(),
             start_energy: 0.0,
             palette: 0,
+            gone: 0,
             scene: scene.clone(),
         };
         let groups = std::mem::take(&mut s.scene.groups);
         let spawned = groups.iter().try_for_each(|g| s.spawn(g, 0));
         s.scene.groups = groups;
         spawned?;
-        s.add_movers()?;
+        let movers = s.scene.movers.clone();
+        s.add_movers(&movers, 0)?;
         let joints = std::mem::take(&mut s.scene.joints);
-        let joined = s.join(&joints, 0);
+        let joined = s.join(&joints, None);
         s.scene.joints = joints;
         joined?;
         s.add_fields()?;
@@ -335,37 +341,44 @@ impl Simulation {
         Ok(())
     }
 
-    /// Adds vehicles, characters and ragdolls, in the order of the file.
-    fn add_movers(&mut self) -> Result<(), SceneError> {
+    /// Adds these vehicles, characters and ragdolls, in the order of the file; `time` is how often they were added before.
+    fn add_movers(&mut self, m: &Movers, time: usize) -> Result<(), SceneError> {
         let vehicles = std::mem::take(&mut self.scene.vehicles);
-        let done = vehicles.iter().enumerate().try_for_each(|(i, g)| self.add_vehicles(i, g));
+        let some = m.vehicles.clone().filter_map(|i| Some((i, vehicles.get(i)?)));
+        let done = { some }.try_for_each(|(i, g)| self.add_vehicles(i, g, time * g.len()));
         self.scene.vehicles = vehicles;
         done?;
         let characters = std::mem::take(&mut self.scene.characters);
-        let done = characters.iter().try_for_each(|g| self.add_characters(g));
+        let some = characters.get(m.characters.clone()).unwrap_or_default();
+        let done = some.iter().try_for_each(|g| self.add_characters(g, time * g.group.len()));
         self.scene.characters = characters;
         done?;
         let ragdolls = std::mem::take(&mut self.scene.ragdolls);
-        let done = ragdolls.iter().try_for_each(|g| self.add_ragdolls(g));
+        let some = ragdolls.get(m.ragdolls.clone()).unwrap_or_default();
+        let done = some.iter().try_for_each(|g| self.add_ragdolls(g, time * g.len()));
         self.scene.ragdolls = ragdolls;
         done
     }
 
-    fn add_vehicles(&mut self, entry: usize, g: &VehicleGroup) -> Result<(), SceneError> {
+    fn add_vehicles(&mut self, entry: usize, g: &VehicleGroup, made: usize) -> Result<(), SceneError> {
         let family = self.family(1);
         for n in 0..g.len() {
             let chassis = match &g.chassis {
                 Chassis::Own(own) => {
-                    let id = self.world.add_body(own.body(n, 0)).map_err(|e| self.refused(&e))?;
-                    self.record(own, n, 0, id, family + n)?;
+                    let id = self.world.add_body(own.body(n, made)).map_err(|e| self.refused(&e))?;
+                    self.record(own, n, made, id, family + n)?;
                     id
                 }
                 Chassis::Of(target) => {
                     let found = self.records.of(target).first().copied();
-                    found.ok_or_else(|| self.missing("body", &target.name))?
+                    let Some(id) = found.filter(|id| self.world.body(*id).is_ok()) else {
+                        self.gone += 1;
+                        continue;
+                    };
+                    id
                 }
             };
-            let id = self.world.add_vehicle(g.vehicle(n, chassis)).map_err(|e| self.refused(&e))?;
+            let id = self.world.add_vehicle(g.vehicle(made + n, chassis)).map_err(|e| self.refused(&e))?;
             self.apply(Command::SetVehicleInput(id, g.input))?;
             self.vehicles.add(g.name.as_ref(), id);
             if g.route.is_some() {
@@ -375,24 +388,24 @@ impl Simulation {
         Ok(())
     }
 
-    fn add_characters(&mut self, g: &CharacterGroup) -> Result<(), SceneError> {
+    fn add_characters(&mut self, g: &CharacterGroup, made: usize) -> Result<(), SceneError> {
         let family = self.family(1);
         for n in 0..g.group.len() {
-            let id = self.world.add_character(g.character(n)).map_err(|e| self.refused(&e))?;
+            let id = self.world.add_character(g.character(n, made)).map_err(|e| self.refused(&e))?;
             self.apply(Command::SetCharacterInput(id, g.input))?;
             let body = self.world.character(id).map_err(|e| self.refused(&e))?.body();
-            self.record(&g.group, n, 0, body, family + n)?;
+            self.record(&g.group, n, made, body, family + n)?;
             self.characters.add(g.group.name.as_ref(), id);
         }
         Ok(())
     }
 
-    fn add_ragdolls(&mut self, g: &RagdollGroup) -> Result<(), SceneError> {
+    fn add_ragdolls(&mut self, g: &RagdollGroup, made: usize) -> Result<(), SceneError> {
         let family = self.family(1);
         for n in 0..g.len() {
-            let doll = self.world.add_ragdoll(&g.ragdoll(n)).map_err(|e| self.refused(&e))?;
+            let doll = self.world.add_ragdoll(&g.ragdoll(made + n)).map_err(|e| self.refused(&e))?;
             for (i, &body) in doll.bodies.iter().enumerate() {
-                self.record(&g.bodies, n * g.bones() + i, 0, body, family + n)?;
+                self.record(&g.bodies, n * g.bones() + i, made * g.bones(), body, family + n)?;
             }
             for (i, joint) in doll.joints.iter().enumerate() {
                 if let (Some(id), Some(bone), Some(name)) = (*joint, g.bone_name(i), &g.name) {
@@ -403,11 +416,6 @@ impl Simulation {
             self.ragdolls.add(g.name.as_ref(), doll);
         }
         Ok(())
-    }
-
-    fn missing(&self, what: &str, name: &str) -> SceneError {
-        let message = format!("{what} \"{name}\" is not there; expected one that is");
-        SceneError::Run { scene: self.scene.name.clone(), time: self.world.time(), message }
     }
 
     /// Drivers who follow lines do what the line asks for.
@@ -429,7 +437,8 @@ impl Simulation {
         now: u64,
         steps: u64,
     ) -> Result<(), SceneError> {
-        for id in self.vehicles.of(target).to_vec() {
+        let all = self.vehicles.of(target).to_vec();
+        for id in self.there(&all, |w, id| w.vehicle(id).is_ok()) {
             let Ok(v) = self.world.vehicle(id) else { continue };
             let from = v.input();
             // Values were checked when the scene was read.
@@ -442,23 +451,41 @@ impl Simulation {
     }
 
     fn grab(&mut self, hold: &Hold, occurrence: u64) -> Result<(), SceneError> {
-        let Some(&body) = self.records.of(&hold.body).first() else { return Ok(()) };
+        let Some(&body) = self.records.of(&hold.body).first() else {
+            self.gone += 1;
+            return Ok(());
+        };
         // Whoever is gone by now is not held.
-        let Ok(b) = self.world.body(body) else { return Ok(()) };
+        let Ok(b) = self.world.body(body) else {
+            self.gone += 1;
+            return Ok(());
+        };
         let at = b.pose().transform_point(hold.point);
         let grab = self.world.grab(body, at, hold.spring, hold.max_force).map_err(|e| self.refused(&e))?;
         let family = self.family(1);
         self.record(&hold.hand, 0, occurrence as usize, grab.hand, family)
     }
 
-    /// Adds joints, gears last since they name others.
-    fn join(&mut self, groups: &[JointGroup], occurrence: u64) -> Result<(), SceneError> {
+    /// Adds joints, gears last since they name others. What `spawn` adds leaves out joints whose ends have gone.
+    fn join(&mut self, groups: &[JointGroup], spawned: Option<u64>) -> Result<(), SceneError> {
+        let occurrence = spawned.unwrap_or(0);
         let made: Vec<usize> = groups.iter().map(|g| self.joints.made(g.name.as_ref())).collect();
         for gears in [false, true] {
             let some = groups.iter().zip(&made).filter(|(g, _)| g.is_gear() == gears);
             for (g, made) in some {
                 for n in 0..g.len() {
                     let ends = [g.end(n, 0, occurrence), g.end(n, 1, occurrence)];
+                    let lost = |e: &crate::joints::Wanted<'_>| match gears {
+                        true => self.joints.get(e.name, e.index).is_none_or(|j| self.world.joint(j).is_err()),
+                        false => self
+                            .records
+                            .get_named(e.name, e.index)
+                            .is_none_or(|b| self.world.body(b).is_err()),
+                    };
+                    if spawned.is_some() && ends.iter().any(lost) {
+                        self.gone += 1;
+                        continue;
+                    }
                     let desc = if gears {
                         let [a, b] = ends.map(|e| (self.joints.get(e.name, e.index), e));
                         let ids = [a, b]
@@ -494,7 +521,8 @@ impl Simulation {
         target: &Target,
         command: impl Fn(JointId, &JointRef<'_>) -> Command,
     ) -> Result<(), SceneError> {
-        for id in self.joints.of(target).to_vec() {
+        let all = self.joints.of(target).to_vec();
+        for id in self.there(&all, |w, id| w.joint(id).is_ok()) {
             let Ok(command) = self.world.joint(id).map(|j| command(id, &j)) else { continue };
             self.apply(command)?;
         }
@@ -508,21 +536,54 @@ impl Simulation {
             self.next += 1;
             // The timeline is moved out for the call and back: an action needs the whole simulation.
             let timeline = std::mem::take(&mut self.scene.timeline);
+            self.gone = 0;
             let done =
                 timeline.get(due.entry).map_or(Ok(()), |e| self.action(&e.action, due.occurrence, now));
             self.scene.timeline = timeline;
             done.map_err(|e| e.within(&format!("timeline[{}]", due.entry)))?;
+            self.tell_gone(due.entry);
         }
         self.go_on(now)
+    }
+
+    /// An action leaves out what has gone; that is told once for each entry.
+    fn tell_gone(&mut self, entry: usize) {
+        if self.gone == 0 || self.warnings.gone.contains(&entry) {
+            return;
+        }
+        self.warnings.gone.push(entry);
+        let (n, t) = (self.gone, self.world.time());
+        let what = if n == 1 {
+            "one thing that it means was".into()
+        } else {
+            format!("{n} things that it means were")
+        };
+        self.warnings
+            .said
+            .push(format!("timeline[{entry}]: {what} not there at t = {t:.6} s; it was left out"));
+    }
+
+    /// What of these is there; the rest is counted as gone.
+    fn there<T: Copy>(&mut self, all: &[T], is: impl Fn(&World, T) -> bool) -> Vec<T> {
+        let there: Vec<T> = all.iter().copied().filter(|x| is(&self.world, *x)).collect();
+        self.gone += all.len() - there.len();
+        there
     }
 
     fn action(&mut self, action: &Action, occurrence: u64, now: u64) -> Result<(), SceneError> {
         let steps = |duration: f64| step_at(duration, self.scene.world.rate_hz).max(1);
         match action {
-            Action::Spawn(groups, joints) => {
-                groups.iter().try_for_each(|g| self.spawn(g, occurrence as usize * g.len()))?;
-                self.join(joints, occurrence)?;
+            Action::Spawn(groups, joints, movers) => {
+                let time = occurrence as usize;
+                groups.iter().try_for_each(|g| self.spawn(g, time * g.len()))?;
+                self.add_movers(movers, time)?;
+                self.join(joints, Some(occurrence))?;
                 self.let_attract()
+            }
+            Action::EnableVehicle(target, on) => {
+                let all = self.vehicles.of(target).to_vec();
+                let there = self.there(&all, |w, id| w.vehicle(id).is_ok());
+                there.into_iter().try_for_each(|id| self.apply(Command::SetVehicleEnabled(id, *on)))
             }
             Action::Push { target, push, duration } => {
                 let until = now + steps(*duration);
@@ -582,21 +643,22 @@ impl Simulation {
             }),
             Action::Drive { target, input, duration } => self.drive(target, input, now, steps(*duration)),
             Action::Walk(target, wish) => {
-                for id in self.characters.of(target).to_vec() {
+                let all = self.characters.of(target).to_vec();
+                for id in self.there(&all, |w, id| w.character(id).is_ok()) {
                     let Ok(input) = self.world.character(id).map(|c| wish.put(c.input())) else { continue };
                     self.apply(Command::SetCharacterInput(id, input))?;
                 }
                 Ok(())
             }
             Action::Pose(target, p) => {
-                for doll in self.ragdolls.of(target).to_vec() {
+                for doll in self.left_of(target) {
                     let driven = doll.drive(&mut self.world, &p.poses, &p.drive, &p.strengths);
                     driven.map_err(|e| self.refused(&e))?;
                 }
                 Ok(())
             }
             Action::Relax(target) => {
-                for doll in self.ragdolls.of(target).to_vec() {
+                for doll in self.left_of(target) {
                     doll.relax(&mut self.world).map_err(|e| self.refused(&e))?;
                 }
                 Ok(())
@@ -609,6 +671,20 @@ impl Simulation {
                 self.apply(Command::SetField(id, Box::new(desc)))
             }
         }
+    }
+
+    /// Ragdolls without the joints that are gone: what is left of a doll goes on.
+    fn left_of(&mut self, target: &Target) -> Vec<Ragdoll> {
+        let mut dolls = self.ragdolls.of(target).to_vec();
+        for doll in &mut dolls {
+            for joint in &mut doll.joints {
+                if joint.is_some_and(|j| self.world.joint(j).is_err()) {
+                    *joint = None;
+                    self.gone += 1;
+                }
+            }
+        }
+        dolls
     }
 
     /// Adds the scene's emitters, in the order of the file.
@@ -699,20 +775,16 @@ impl Simulation {
     }
 
     /// Bodies of a target that are still there, with their poses.
-    fn poses(&self, target: &Target) -> Vec<(BodyId, WorldPose)> {
-        let there = |b: &BodyId| self.world.body(*b).ok().map(|r| (*b, r.pose()));
-        self.records.of(target).iter().filter_map(there).collect()
+    fn poses(&mut self, target: &Target) -> Vec<(BodyId, WorldPose)> {
+        let all = self.records.of(target).to_vec();
+        let there = self.there(&all, |w, b| w.body(b).is_ok());
+        there.into_iter().filter_map(|b| Some((b, self.world.body(b).ok()?.pose()))).collect()
     }
 
     /// Applies a command to every body of a target that is still there.
     fn each(&mut self, target: &Target, command: impl Fn(BodyId) -> Command) -> Result<(), SceneError> {
-        let bodies: Vec<BodyId> = self.records.of(target).to_vec();
-        for b in bodies {
-            if self.world.body(b).is_ok() {
-                self.apply(command(b))?;
-            }
-        }
-        Ok(())
+        let all = self.records.of(target).to_vec();
+        self.there(&all, |w, b| w.body(b).is_ok()).into_iter().try_for_each(|b| self.apply(command(b)))
     }
 
     fn apply(&mut self, command: Command) -> Result<(), SceneError> {

@@ -175,7 +175,7 @@ fn a_preset_on_a_body_of_the_scene() {
     assert!(s.world().vehicle(s.vehicles("delivery")[0]).expect("alive").desc().traction.is_none());
 }
 
-/// A preset's as the scene is read, those on a body of the scene as it starts.
+/// As the scene is read: a preset's, and those on a body of the scene.
 #[test]
 fn wheels_heavier_than_the_whole_are_refused() {
     let told = scene(r#""vehicles": [{"name": "car", "preset": "car", "wheel": {"mass": 400}}]"#)
@@ -183,10 +183,8 @@ fn wheels_heavier_than_the_whole_are_refused() {
     assert!(told.contains("vehicles[0].wheel: have 1600 kg") && told.contains("0.9"), "{told}");
     let text = r#"{"jounce": 1, "bodies": [{"name": "b", "type": "dynamic", "shapes": [{"sphere": {"radius": 0.1}}]}],
         "vehicles": [{"body": "b", "preset": "car"}]}"#;
-    let scene =
-        Scene::from_str(text, "light.json", &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
-    let Err(told) = Simulation::new(&scene, Tasks::serial()) else { panic!("accepted") };
-    assert!(told.to_string().contains("0.9 of the chassis"), "{told}");
+    let told = Scene::from_str(text, "light.json", &LoadOptions::default()).expect_err("refused").to_string();
+    assert!(told.contains("vehicles[0].wheels: have 80") && told.contains("0.9 of the chassis"), "{told}");
 }
 
 /// The same bits from a clone as from the original, drivers and hands included.
@@ -205,4 +203,65 @@ fn clones_drive_on() {
         twin.step().expect("steps");
         assert_eq!(s.world().hash(), twin.world().hash());
     }
+}
+
+#[test]
+fn actions_leave_out_what_is_gone_and_say_so_once() {
+    let mut s = start(
+        r#""ragdolls": [{"name": "doll", "preset": "human", "position": [0, 2, 0]}],
+        "vehicles": [{"name": "car", "preset": "car", "position": [9, 0, 0]}],
+        "characters": [{"name": "hero", "position": [-5, 0.02, 0]}],
+        "timeline": [{"at": 0.1, "remove": {"body": "doll.lower_arm_l"}},
+            {"at": 0.1, "remove": {"body": "car"}}, {"at": 0.1, "remove": {"body": "hero"}},
+            {"at": 0.2, "every": 0.1, "times": 3, "pose": {"ragdoll": "doll", "strength": 1}},
+            {"at": 0.5, "relax": {"ragdoll": "doll"}},
+            {"at": 0.6, "drive": {"vehicle": "car", "throttle": 1}},
+            {"at": 0.6, "walk": {"character": "hero", "velocity": [1, 0, 0]}},
+            {"at": 0.7, "remove": {"body": "doll.head"}},
+            {"at": 0.8, "push": {"body": "doll.head", "impulse": [1, 0, 0]}},
+            {"at": 0.9, "spawn": {"bodies": [{"name": "ball", "type": "dynamic", "position": [5, 5, 5],
+                "shapes": [{"sphere": {"radius": 0.1}}]}],
+                "joints": [{"a": "doll.head", "b": "ball", "fixed": {}, "at": [5, 5, 5]}]}}]"#,
+    );
+    run(&mut s, 1.2);
+    let said = s.warnings();
+    for entry in [3, 4, 5, 6, 8, 9] {
+        let told = said.iter().filter(|w| w.starts_with(&format!("timeline[{entry}]:"))).count();
+        assert_eq!(told, 1, "entry {entry}: {said:?}");
+    }
+    assert_eq!(said.len(), 6, "{said:?}");
+    assert!(s.body("ball").is_some_and(|b| s.world().body(b).is_ok()), "the rest is done");
+}
+
+#[test]
+fn spawn_makes_vehicles_characters_and_ragdolls() {
+    let mut s = start(
+        r#""timeline": [{"at": 0.5, "every": 0.5, "times": 3, "spawn": {
+                "bodies": [{"name": "cart", "type": "dynamic", "position": [0, 1, 20], "shapes": [{"box": {"half": [0.5, 0.1, 1]}, "mass": 200}]}],
+                "vehicles": [{"name": "car", "preset": "car", "repeat": {"count": [2, 1, 1], "step": [4, 0, 0]}, "velocity": [0, 0, 16], "input": {"gear": 1}}],
+                "characters": [{"name": "hero", "position": [-5, 0.02, 0], "velocity": [-2, 0, 0]}],
+                "ragdolls": [{"name": "doll", "preset": "human", "position": [-9, 2, 0]}]}},
+            {"at": 2.5, "drive": {"vehicle": "car[5]", "throttle": 1}},
+            {"at": 2.5, "walk": {"character": "hero[2]", "velocity": [0, 0, 1]}},
+            {"at": 2.6, "pose": {"ragdoll": "doll[1]", "strength": 1}},
+            {"at": 2.6, "enable_vehicle": {"vehicle": "car[0]", "enabled": false}},
+            {"at": 2.7, "remove": {"body": "doll.head[2]"}}],
+        "probes": {"cars": {"world": "vehicles"}, "people": {"world": "characters"}, "joints": {"world": "joints"},
+            "fast": {"vehicle": "car[5]", "value": "speed"}, "neck": {"joint": "doll.neck[1]", "value": "gap"},
+            "far": {"character": "hero[0]", "value": "position.x"}}"#,
+    );
+    run(&mut s, 0.4);
+    assert_eq!((value(&s, "cars"), value(&s, "people"), value(&s, "joints")), (0.0, 0.0, 0.0));
+    run(&mut s, 2.0);
+    let dolls = value(&s, "joints") / 3.0;
+    assert_eq!((value(&s, "cars"), value(&s, "people")), (6.0, 3.0));
+    assert!(dolls >= 10.0 && dolls.fract() == 0.0, "{dolls}");
+    run(&mut s, 2.0);
+    assert!(s.warnings().is_empty(), "{:?}", s.warnings());
+    let [fast, far, neck] = ["fast", "far", "neck"].map(|p| value(&s, p));
+    assert!(fast > 5.0 && far < -7.0, "a car of {fast} m/s, a hero at {far} m");
+    assert!(neck.is_finite(), "doll 1 has a neck: {neck}");
+    let car = |n: usize| s.world().vehicle(s.vehicles("car")[n]).expect("car");
+    assert!(!car(0).is_enabled(), "taken out");
+    assert_eq!(car(5).desc().name.as_deref(), Some("car[5]"));
 }

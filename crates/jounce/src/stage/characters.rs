@@ -184,8 +184,7 @@ fn walk(
 
 /// Moving walls: in parts small against the radius.
 fn shove(w: &mut Walk<'_, '_>) {
-    let fastest =
-        w.around.ahead.iter().fold(0.0, |m, a| f32s::max(m, (a.to.p - a.from.p).as_vec3().length()));
+    let fastest = w.around.fastest_near();
     let parts = f32s::clamp((fastest / (0.25 * w.around.mover.radius)).ceil(), 1.0, PARTS_MAX);
     for i in 1..parts as u32 {
         w.around.part = i as f32 / parts;

@@ -217,6 +217,9 @@ fn begin(world: &World, v: &mut Vehicle, run: &mut Run, casts: &[Cast]) {
     let same = |c: &Carried| (c.center - frame.center).length() < 1e-9 && c.rotation == q;
     v.carried = v.carried.filter(same);
     run.mass = world.bodies[v.chassis].mass.mass;
+    let shapes = &world.bodies[v.chassis].shapes;
+    let all = shapes.iter().fold(0, |l, &s| l | world.shapes[s].filter.layers);
+    run.layers = if shapes.is_empty() { u32::MAX } else { all };
     run.gravity = world.gravity * world.bodies[v.chassis].gravity_scale;
     run.chassis.m = world.awake.state[run.chassis.row as usize].get();
     let wheels = v.wheels.len();
@@ -279,11 +282,21 @@ fn mover(world: &World, slot: u32) -> Mover {
 pub(crate) fn act(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.vehicles);
     let mut vehicles = core::mem::take(&mut world.vehicles);
-    let k = Numbers { h: step.constants.h };
+    let c = &step.constants;
+    let k = Numbers { h: c.h, dt: step.dt, push_out_speed: c.push_out_speed };
     for run in &mut s.runs[..s.count] {
         let Some(v) = vehicles.table.get_mut(run.id) else { continue };
         load(world, &mut run.chassis);
         run.grounds.iter_mut().for_each(|g| load(world, g));
+        let mut flows = core::mem::take(&mut run.flows);
+        flows.clear();
+        if !world.fields.is_empty() {
+            flows.extend(solve::in_the_air(&v.desc, run).map(|(own, at)| {
+                let (m, _) = world.fields.around(at, run.layers);
+                (m.flow, if m.density > 0.0 { m.density } else { own })
+            }));
+        }
+        run.flows = flows;
         solve::substep(v, run, &k);
         unload(world, &mut run.chassis);
         run.grounds.iter_mut().for_each(|g| unload(world, g));

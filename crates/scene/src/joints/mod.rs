@@ -251,6 +251,13 @@ pub(crate) fn find_ends(
             let own = own.get(text.split('[').next().unwrap_or("")).copied();
             names.resolve(text).and_then(|t| g.find(e, t, own)).key(key)?;
         }
+        if let (Some(a), Some(b)) = (&j.a, &j.b)
+            && names.are_fixed(a)
+            && names.are_fixed(b)
+        {
+            let message = format!("\"{b}\" is fixed, as \"{a}\" is");
+            return Err(Wrong::new(message, "a body that can move, at one end at least").key("b"));
+        }
     }
     let same = (0..g.len()).find(|&n| {
         let [a, b] = [0, 1].map(|e| g.end(n, e, 0));

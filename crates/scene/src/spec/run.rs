@@ -1,15 +1,18 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
 use super::{
-    BodySpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec, JointSpec, NamedJointSpec,
-    PoseSpec, RelaxSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec, SetMotorSpec, WalkSpec,
+    BodySpec, CharacterSpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec, JointSpec,
+    NamedJointSpec, PoseSpec, RagdollSpec, RelaxSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec,
+    SetMotorSpec, VehicleSpec, WalkSpec,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
 /// `wake`, `sleep`, `enable`, `explode`, `set_field`,
-/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint`, `enable_joint`, `drive`, `walk`, `pose`, `relax` and `grab`.
+/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint`, `enable_joint`, `enable_vehicle`, `drive`, `walk`, `pose`, `relax` and
+/// `grab`. An action leaves out what is not there (any more): a removed body, a joint that was cut, a ragdoll's lost bone; the run warns
+/// once of each entry that did.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimelineSpec {
@@ -19,7 +22,7 @@ pub struct TimelineSpec {
     pub every: Option<f64>,
     /// How often in all, with `every`. Default 1.
     pub times: Option<u64>,
-    /// Adds bodies.
+    /// Adds bodies, joints, vehicles, characters and ragdolls.
     pub spawn: Option<Box<SpawnSpec>>,
     /// Applies an impulse at once, or a force or torque for a while, to dynamic bodies.
     pub push: Option<Box<PushSpec>>,
@@ -55,6 +58,8 @@ pub struct TimelineSpec {
     pub set_joint: Option<Box<SetJointSpec>>,
     /// Takes joints out of the simulation, or back in.
     pub enable_joint: Option<EnableJointSpec>,
+    /// Takes the wheels of vehicles (or their boards) out of the simulation, or back in; the chassis stays, as a body.
+    pub enable_vehicle: Option<EnableVehicleSpec>,
     /// What drivers of vehicles do from now on.
     pub drive: Option<Box<DriveSpec>>,
     /// What characters do from now on.
@@ -67,7 +72,7 @@ pub struct TimelineSpec {
     pub grab: Option<Box<GrabSpec>>,
 }
 
-/// Bodies and joints to add.
+/// Bodies, joints, vehicles, characters and ragdolls to add. Where the action repeats, names of what it adds go on: "ball[0]", "ball[1]", …
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpawnSpec {
@@ -78,6 +83,15 @@ pub struct SpawnSpec {
     /// time.
     #[serde(default)]
     pub joints: Vec<JointSpec>,
+    /// Vehicles, as at the top level.
+    #[serde(default)]
+    pub vehicles: Vec<VehicleSpec>,
+    /// Characters, as at the top level.
+    #[serde(default)]
+    pub characters: Vec<CharacterSpec>,
+    /// Ragdolls, as at the top level.
+    #[serde(default)]
+    pub ragdolls: Vec<RagdollSpec>,
 }
 
 /// A push on bodies.
@@ -150,6 +164,16 @@ pub struct GravitySpec {
 pub struct EnableSpec {
     /// Name of one or many bodies.
     pub body: String,
+    /// In or out.
+    pub enabled: bool,
+}
+
+/// Takes vehicles in or out.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct EnableVehicleSpec {
+    /// Name of one or many vehicles.
+    pub vehicle: String,
     /// In or out.
     pub enabled: bool,
 }

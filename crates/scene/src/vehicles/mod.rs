@@ -100,30 +100,52 @@ impl VehicleRecords {
     }
 }
 
-/// All entries of `vehicles`. Their own chassis get their names among the bodies.
+/// Entries of `vehicles`, each made so many times. Their own chassis get their names among the bodies.
 pub(crate) fn vehicles(
     all: &[VehicleSpec],
+    times: u64,
     census: &mut Census,
     names: &mut Names,
-) -> Checked<(Vec<VehicleGroup>, VehicleNames)> {
-    let (mut out, mut vehicle_names) = (Vec::with_capacity(all.len()), VehicleNames::default());
+    (out, vehicle_names): &mut (Vec<VehicleGroup>, VehicleNames),
+) -> Checked<()> {
     for (i, v) in all.iter().enumerate() {
-        let g = entry(v, census, names).index(i).key("vehicles")?;
+        let mut g = entry(v, census, names).index(i).key("vehicles")?;
+        only_one(&g, times, out).key("body").index(i).key("vehicles")?;
+        g.single &= times == 1;
+        if let Chassis::Own(own) = &mut g.chassis {
+            own.single &= times == 1;
+            let (n, shapes) = (own.len() as u64, own.templates[0].desc.shapes.len() as u64);
+            census.add((times - 1).saturating_mul(n), shapes).index(i).key("vehicles")?;
+        }
         if let Some(name) = &g.name {
             if let Chassis::Own(own) = &g.chassis {
-                let named = own.names(1).and_then(|n| n.into_iter().try_for_each(|(n, b)| names.add(&n, b)));
+                let named =
+                    own.names(times).and_then(|n| n.into_iter().try_for_each(|(n, b)| names.add(&n, b)));
                 named.index(i).key("vehicles")?;
             } else {
                 crate::bodies::check_name(name).index(i).key("vehicles")?;
             }
-            if vehicle_names.0.insert(name.clone(), g.len() as u64).is_some() {
+            if vehicle_names.0.insert(name.clone(), g.len() as u64 * times).is_some() {
                 let message = format!("\"{name}\" is given to two vehicles");
                 return Err(Wrong::new(message, "a name of its own").key("name").index(i).key("vehicles"));
             }
         }
         out.push(g);
     }
-    Ok((out, vehicle_names))
+    Ok(())
+}
+
+/// A body carries one vehicle.
+fn only_one(g: &VehicleGroup, times: u64, before: &[VehicleGroup]) -> Checked<()> {
+    let Chassis::Of(body) = &g.chassis else { return Ok(()) };
+    let same = |o: &VehicleGroup| matches!(&o.chassis, Chassis::Of(t) if t.name == body.name && t.index.unwrap_or(0) == body.index.unwrap_or(0));
+    if times == 1 && !before.iter().any(same) {
+        return Ok(());
+    }
+    Err(Wrong::new(
+        format!("\"{}\" is given to two vehicles", body.name),
+        "a body that is of no other vehicle",
+    ))
 }
 
 fn kit(p: VehiclePresetSpec) -> VehicleKit {
@@ -224,6 +246,12 @@ fn own(v: &VehicleSpec, kit: &mut VehicleKit, census: &mut Census) -> Checked<Gr
             let message = format!("wheel {i} would have to pull the chassis down");
             let expected = "a centre of mass between the axles";
             return Err(Wrong::new(message, expected).key("center").key("mass_properties"));
+        }
+        let most = 1e9;
+        if let Some(w) = kit.vehicle.wheels.iter().find(|w| w.preload > most) {
+            let message = format!("is {}: a wheel would carry {:e} N", mass.mass, w.preload);
+            let expected = format!("at most {most:e} N on a wheel");
+            return Err(Wrong::new(message, expected).key("mass").key("mass_properties"));
         }
     }
     d.check()?;

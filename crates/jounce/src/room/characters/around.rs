@@ -26,6 +26,12 @@ pub(crate) struct MoveScratch {
     pub near: Vec<u32>,
     pub set: ManifoldSet,
     found: Vec<(Plane, DVec3)>,
+    movers: Vec<([f32; 2], u32)>,
+    /// Most shapes near a character, and most planes weighed against one another, so far: for tests.
+    #[cfg(test)]
+    pub most_near: usize,
+    #[cfg(test)]
+    pub most_planes: usize,
 }
 
 impl Clone for MoveScratch {
@@ -81,15 +87,20 @@ impl Around<'_> {
         WorldPose::new(foot + (self.up * (0.5 * self.height)).as_dvec3(), self.turn)
     }
 
-    /// Looks up the shapes that a move from `foot` by at most `reach` metres can meet.
+    /// Looks up the shapes that a move from `foot` by at most `reach` metres can meet. Of what can move only the nearest
+    /// [`limits::CHARACTER_MOVERS_MAX`] count, so that a character's work has a bound in any crowd.
     pub fn look(&mut self, foot: DVec3, reach: f32) {
         let fastest = self.ahead.iter().fold(0.0, |m, a| {
             let turn = (a.to.q * a.from.q.conjugate()).xyz().length() * 2.0;
             f32s::max(m, (a.to.p - a.from.p).as_vec3().length() + turn * self.reach_of(a, foot))
         });
-        let box_ = world_bounds(&self.capsule, &self.pose(foot)).expanded(reach + fastest);
+        let own = world_bounds(&self.capsule, &self.pose(foot));
+        let reached = own.expanded(reach);
+        let box_ = reached.expanded(fastest);
         let mut near = core::mem::take(&mut self.scratch.near);
+        let mut movers = core::mem::take(&mut self.scratch.movers);
         near.clear();
+        movers.clear();
         let world = self.world;
         let mut see = |s: u32| {
             if near.len() < limits::CHARACTER_SHAPES_MAX && self.meets(s) {
@@ -101,9 +112,55 @@ impl Around<'_> {
             see(s);
         }
         world.fixed_tree.query(&box_, &mut see);
-        world.moving_tree.query(&box_, &mut see);
+        world.moving_tree.query(&box_, |s| {
+            if self.meets(s) && self.comes_within(s, &reached) {
+                match self.distance_to(s, &own) {
+                    Some(d) => movers.push((d, s)),
+                    None => near.push(s),
+                }
+            }
+            movers.len() + near.len() < limits::CHARACTER_SHAPES_MAX
+        });
+        let most = limits::CHARACTER_MOVERS_MAX;
+        if movers.len() > most {
+            movers.select_nth_unstable_by(most, |(a, i), (b, j)| {
+                a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(i.cmp(j))
+            });
+            movers.truncate(most);
+        }
+        near.extend(movers.iter().map(|m| m.1));
         near.sort_unstable();
-        self.scratch.near = near;
+        #[cfg(test)]
+        {
+            self.scratch.most_near = self.scratch.most_near.max(near.len());
+        }
+        (self.scratch.near, self.scratch.movers) = (near, movers);
+    }
+
+    /// Is any of a shape's way of this step in a box? Where its body turns, the way is not known.
+    fn comes_within(&self, s: u32, box_: &Aabb) -> bool {
+        let r = &self.world.shapes[s];
+        let Some(a) = self.ahead_of(r.body) else { return true };
+        if a.from.q != a.to.q {
+            return true;
+        }
+        let at = |p: &WorldPose| world_bounds(&r.shape, &p.compose(&r.pose));
+        at(&a.from).union(&at(&a.to)).overlaps(box_)
+    }
+
+    /// How far a shape will be from a box, and their middles from one another, both squared; none of what is large against the
+    /// character: that may be ground, and is never left out.
+    fn distance_to(&self, s: u32, box_: &Aabb) -> Option<[f32; 2]> {
+        let r = &self.world.shapes[s];
+        let b = match self.ahead_of(r.body) {
+            Some(a) => world_bounds(&r.shape, &a.to.compose(&r.pose)),
+            None => r.fat,
+        };
+        if (b.max - b.min).max_component() > 2.0 * self.height {
+            return None;
+        }
+        let gap = (b.min - box_.max).max(box_.min - b.max).max(Vec3::ZERO);
+        Some([gap.length_squared(), (b.center() - box_.center()).length_squared()])
     }
 
     /// Lever by which a turn of a body moves what is near a foot.
@@ -124,6 +181,15 @@ impl Around<'_> {
 
     fn ahead_of(&self, body: u32) -> Option<&Ahead> {
         self.ahead.binary_search_by_key(&body, |a| a.body).ok().map(|i| &self.ahead[i])
+    }
+
+    /// Longest way in this step of what is near, m.
+    pub fn fastest_near(&self) -> f32 {
+        let way = |s: &u32| {
+            let a = self.ahead_of(self.world.shapes[*s].body)?;
+            Some((a.to.p - a.from.p).as_vec3().length())
+        };
+        self.scratch.near.iter().filter_map(way).fold(0.0, f32s::max)
     }
 
     /// A shape's frame, where its body will be.
@@ -157,12 +223,16 @@ impl Around<'_> {
         1.0 / self.resist[2]
     }
 
-    /// Do a shape's bounds meet a box at all? The bounds of bodies that move ahead are not known.
+    /// Do a shape's bounds meet a box at all?
     fn may_touch(&self, s: u32, bounds: &Aabb) -> bool {
         let r = &self.world.shapes[s];
-        matches!(r.shape, Shape::HalfSpace { .. })
-            || self.ahead_of(r.body).is_some()
-            || r.fat.overlaps(bounds)
+        if matches!(r.shape, Shape::HalfSpace { .. }) {
+            return true;
+        }
+        match self.ahead_of(r.body) {
+            Some(_) => world_bounds(&r.shape, &self.place(s)).overlaps(bounds),
+            None => r.fat.overlaps(bounds),
+        }
     }
 
     /// The first shape in the way from `foot` along `motion`; the lowest slot of equals. `blocks` says which count, given slot and
@@ -298,7 +368,13 @@ impl Around<'_> {
         }
         // A gap that is right but for the last few percent stays: what stands still stays still.
         let needed = found.iter().any(|f| f.0.least > 0.05 * skin);
-        let n = if needed { keep_needed(&mut found, 0.05 * skin, out) } else { 0 };
+        found.sort_by(|a, b| b.0.least.total_cmp(&a.0.least));
+        found.truncate(limits::CHARACTER_PLANES_MAX);
+        #[cfg(test)]
+        {
+            self.scratch.most_planes = self.scratch.most_planes.max(found.len());
+        }
+        let n = if needed { keep_needed(&found, 0.05 * skin, out) } else { 0 };
         (self.scratch.found, self.scratch.set) = (found, set);
         n
     }
@@ -306,14 +382,16 @@ impl Around<'_> {
 
 /// Drops the planes of points that lie on the surface of a deeper one: whoever keeps his distance from a flat floor keeps it from
 /// every edge between its tiles. The deepest come first.
-fn keep_needed(found: &mut [(Plane, DVec3)], slop: f32, out: &mut [Plane; PLANES_MAX]) -> usize {
-    found.sort_unstable_by(|a, b| b.0.least.total_cmp(&a.0.least));
+fn keep_needed(found: &[(Plane, DVec3)], slop: f32, out: &mut [Plane; PLANES_MAX]) -> usize {
     let mut n = 0;
     for (i, (plane, point)) in found.iter().enumerate() {
         let on = |(p, q): &(Plane, DVec3)| {
             plane.n.dot(p.n) > 0.0 && (*point - *q).as_vec3().dot(p.n).abs() <= slop
         };
-        if n < PLANES_MAX && !found[..i].iter().any(on) {
+        if n == PLANES_MAX {
+            break;
+        }
+        if !found[..i].iter().any(on) {
             out[n] = *plane;
             n += 1;
         }

@@ -87,6 +87,10 @@ impl<'a, 'b> Walk<'a, 'b> {
             let (way, bad) = nearest(Vec3::ZERO, &planes[..n]);
             // The gap is gone, not only smaller.
             self.out.squeezed = bad > self.around.mover.skin;
+            // Planes that contradict each other meet far away, where nobody should be in a moment.
+            let most = 2.0 * planes[0].least + self.around.mover.radius;
+            let length = way.length();
+            let way = if length > most { way * (most / length) } else { way };
             self.out.foot += way.as_dvec3();
         }
     }

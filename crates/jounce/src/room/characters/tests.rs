@@ -47,3 +47,27 @@ fn no_allowed_point_is_nearer() {
         }
     }
 }
+
+/// In a heap of characters each looked at all the others, in every round of pushing out, and at every pair of the planes they gave:
+/// a thousand in one place never came to an end. What a character looks at is bounded now.
+#[test]
+fn a_crowd_in_one_place_is_looked_at_in_part() {
+    use crate::limits::{CHARACTER_MOVERS_MAX, CHARACTER_PLANES_MAX};
+    use crate::prelude::*;
+    let mut w = World::new(WorldDesc::default()).unwrap();
+    w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
+    let n = 10 * CHARACTER_MOVERS_MAX;
+    let all: Vec<_> =
+        (0..n).map(|_| w.add_character(crate::CharacterDesc::at([0.0, 0.02, 0.0])).unwrap()).collect();
+    for _ in 0..3 {
+        w.step().unwrap();
+        let s = &w.characters.scratch;
+        assert!(s.most_near <= CHARACTER_MOVERS_MAX + 1, "{} shapes near", s.most_near);
+        assert!(s.most_planes <= CHARACTER_PLANES_MAX, "{} planes", s.most_planes);
+        assert!(s.most_near > CHARACTER_MOVERS_MAX, "the bound was met: {}", s.most_near);
+    }
+    for c in all {
+        let p = w.body(w.character(c).unwrap().body()).unwrap().position();
+        assert!(p.is_finite() && p.y > -0.01, "{p:?}");
+    }
+}

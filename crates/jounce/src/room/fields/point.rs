@@ -64,23 +64,30 @@ impl Fields {
         let view =
             FieldView { position: at, velocity, mass: 0.0, time_s: self.time, body: None, user_data: 0 };
         let pull = self.pull(&view, layers);
-        let air = self.medium(at, layers);
-        let mut s = FieldSample {
+        let (m, submerged) = self.around(at, layers);
+        FieldSample {
             acceleration: pull.gravity + pull.other - pull.spin.cross(velocity) * 2.0,
-            flow: air.flow,
-            density: air.density,
-            viscosity: air.viscosity,
-            submerged: false,
-        };
+            flow: m.flow,
+            density: m.density,
+            viscosity: m.viscosity,
+            submerged,
+        }
+    }
+
+    /// What is at a place, in the open or under water, and whether that is water.
+    pub fn around(&self, at: DVec3, layers: u32) -> (Medium, bool) {
+        let mut m = self.medium(at, layers);
+        let mut submerged = false;
         for f in self.acting(layers) {
             if let FieldLaw::Water { surface, normal, density, viscosity, velocity, .. } = f.desc.law {
                 let below = normal.as_dvec3().dot(at - surface) < 0.0;
-                if below && density > s.density && f.desc.region.weight(at) > 0.0 {
-                    (s.flow, s.density, s.viscosity, s.submerged) = (velocity, density, viscosity, true);
+                if below && density > m.density && f.desc.region.weight(at) > 0.0 {
+                    m = Medium { density, viscosity, flow: velocity };
+                    submerged = true;
                 }
             }
         }
-        s
+        (m, submerged)
     }
 
     /// Accelerations, without the attraction of chosen bodies on one another.

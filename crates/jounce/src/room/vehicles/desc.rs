@@ -261,7 +261,7 @@ pub struct AeroSurfaceDesc {
     pub drag_area: f32,
     /// C_l A, m²: the push down is ½ ρ v² of it, v along the vehicle.
     pub down_area: f32,
-    /// ρ, kg/m³.
+    /// ρ, kg/m³, where no field says: a wind or medium of the world's has its own, and its flow.
     pub density: f32,
 }
 

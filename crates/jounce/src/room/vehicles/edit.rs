@@ -34,7 +34,8 @@ impl World {
                 advice: "make the chassis dynamic; to hold it, lock its axes",
             });
         }
-        check(body.vehicle == NONE, "vehicle", "chassis", d.chassis, "a body that is of no other vehicle")?;
+        let (told, expected) = ("the body of another vehicle", "a body that is of no other vehicle");
+        check(body.vehicle == NONE, "vehicle", "chassis", told, expected)?;
         self.check_unsprung(chassis, &d)?;
         let mut v = Vehicle {
             chassis,

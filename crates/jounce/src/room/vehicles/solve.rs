@@ -30,6 +30,9 @@ use jounce_math::{DVec3, Quat, Vec3, scalar::f32s};
 /// Least n·up at which a wheel stands on a surface.
 pub(crate) const KAPPA_MIN: f32 = 0.1;
 
+/// What a wheel may be in the ground without having moved there, in radii: a car that is put on the ground stands on its tyres.
+const SLACK: f32 = 0.1;
+
 /// A body in the solve: the chassis, or what a wheel stands on.
 #[derive(Clone, Debug)]
 pub(crate) struct Mover {
@@ -68,6 +71,10 @@ impl Mover {
     /// e · velocity at r by a unit impulse along f there.
     pub fn response(&self, r: Vec3, e: Vec3, f: Vec3) -> f32 {
         self.inv_mass.mul(e).dot(f) + r.cross(e).dot(self.tensor.mul(r.cross(f)))
+    }
+    /// e · velocity at r by a unit impulse along f at s.
+    pub fn answer(&self, r: Vec3, e: Vec3, s: Vec3, f: Vec3) -> f32 {
+        self.inv_mass.mul(e).dot(f) + r.cross(e).dot(self.tensor.mul(s.cross(f)))
     }
     pub fn push(&mut self, r: Vec3, j: Vec3) {
         self.m.v += self.inv_mass.mul(j);
@@ -131,6 +138,11 @@ pub(crate) struct Run {
     /// Rotation likewise.
     pub rotation: Quat,
     pub spin: Spin,
+    /// Layers of the chassis, for fields; flow (m/s) and density (kg/m³) at the surfaces in the air, where fields have any.
+    pub layers: u32,
+    pub flows: Vec<(Vec3, f32)>,
+    /// No substep was made yet.
+    pub fresh: bool,
     ahead: Vec<f64>,
     work: Vec<Work>,
 }
@@ -175,6 +187,9 @@ impl Run {
             origin: DVec3::ZERO,
             rotation: Quat::IDENTITY,
             spin: Spin::default(),
+            layers: 0,
+            flows: Vec::new(),
+            fresh: true,
             ahead: Vec::new(),
             work: Vec::new(),
         }
@@ -214,6 +229,7 @@ impl Run {
 
 /// Once per step: couplings of the drive, steering.
 pub(crate) fn begin(v: &mut Vehicle, run: &mut Run) {
+    run.fresh = true;
     steer(v, run);
     let d = &v.desc;
     let spin = &mut run.spin;
@@ -297,24 +313,29 @@ fn steer(v: &mut Vehicle, run: &Run) {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Numbers {
     pub h: f32,
+    /// Length of the step, s.
+    pub dt: f32,
+    /// Fastest speed at which what is in the ground is pushed out, m/s.
+    pub push_out_speed: f32,
 }
 
 /// Before the positions move.
 pub(crate) fn substep(v: &mut Vehicle, run: &mut Run, k: &Numbers) {
     if !v.wheels.is_empty() {
-        wheels(v, run, k.h);
+        wheels(v, run, k);
     }
     air(&v.desc, run, k.h);
     if v.desc.lean.is_some() {
         lean(v, run, k.h);
     }
     if let Some(b) = v.desc.board {
-        board::substep(v, &b, run, k.h);
+        board::substep(v, &b, run, k);
     }
 }
 
-fn wheels(v: &mut Vehicle, run: &mut Run, h: f32) {
-    let touching = places(v, run);
+fn wheels(v: &mut Vehicle, run: &mut Run, k: &Numbers) {
+    let h = k.h;
+    let touching = places(v, run, k);
     carry_over(v, run);
     travel(v, run, h, touching as f32);
     drive(v, run, h);
@@ -336,13 +357,14 @@ fn moved(v: &Vehicle, run: &mut Run) {
 }
 
 /// Where hubs, patches and ground are now; how many touch.
-fn places(v: &Vehicle, run: &mut Run) -> usize {
+fn places(v: &mut Vehicle, run: &mut Run, k: &Numbers) -> usize {
     let (up, forward) = run.axes();
     let left = up.cross(forward);
     let q = run.chassis.m.dq;
+    let fresh = core::mem::take(&mut run.fresh);
     let mut count = 0;
     for i in 0..v.wheels.len() {
-        let (s, d, foot) = (&v.wheels[i], &v.desc.wheels[i], run.wheels[i]);
+        let (s, d, foot) = (&mut v.wheels[i], &v.desc.wheels[i], run.wheels[i]);
         let hub = q.rotate(foot.hub) - up * s.s;
         let axle =
             if s.steer == 0.0 { left } else { left * f32s::cos(s.steer) - forward * f32s::sin(s.steer) };
@@ -356,7 +378,8 @@ fn places(v: &Vehicle, run: &mut Run) -> usize {
             let reach = (d.radius - r) * m.dot(n) + r;
             w.depth = reach - (hub - now.point).dot(n);
             w.kappa = n.dot(up);
-            w.rho = n * w.depth - m * (d.radius - r) - n * r;
+            // The ground never meets it beyond the hub: levers of metres would throw what is deep in it.
+            w.rho = n * f32s::min(w.depth, reach) - m * (d.radius - r) - n * r;
             w.arm = hub + w.rho;
             w.slide = run.over(w.arm, &now);
             w.closing = w.kappa * s.u - w.slide.dot(n);
@@ -364,6 +387,16 @@ fn places(v: &Vehicle, run: &mut Run) -> usize {
             w.now = now;
             count += usize::from(w.touches);
         }
+        // Deeper than by its own motion, and a little: it was put there, or the ground was.
+        // Planes are found once a step: a wheel on the ground may have come a step's way along it.
+        let along = w.slide - w.now.normal * w.slide.dot(w.now.normal);
+        let along = if s.depth > 0.0 { along.length() } else { 0.0 };
+        let time = if fresh { k.dt } else { k.h };
+        let chassis = f32s::max(-w.slide.dot(w.now.normal), 0.0);
+        let way = (along + chassis) * time + f32s::max(w.kappa * s.u, 0.0) * k.h;
+        let slack = f32s::max(SLACK * d.radius, 2.0 * d.preload / d.tyre.radial_stiffness);
+        let depth = if w.touches { w.depth } else { 0.0 };
+        w.depth = s.entered(depth, way, slack, k.push_out_speed * k.h);
         run.work[i] = w;
     }
     count
@@ -380,6 +413,7 @@ fn travel(v: &Vehicle, run: &mut Run, h: f32, share: f32) {
             t.bar_stiffness += b.stiffness;
         }
         t.chassis = f32s::max(share, 1.0) * run.chassis.response(w.hub, up, up);
+        t.touches = w.touches;
         if w.touches {
             (t.depth, t.closing, t.kappa) = (w.depth, w.closing, w.kappa);
             let n = w.now.normal;
@@ -621,21 +655,30 @@ fn wrapped(x: f32) -> f32 {
     x - turn * (x / turn).floor()
 }
 
-/// ½ ρ v² C A against the flow, and down; implicit, so that light vehicles stay calm.
+/// Where the surfaces in the air are now.
+pub(crate) fn in_the_air<'a>(d: &'a VehicleDesc, run: &'a Run) -> impl Iterator<Item = (f32, DVec3)> + 'a {
+    let first = d.board.map_or(0, |_| 4);
+    let q = run.chassis.m.dq;
+    let feet = run.stations.get(first..).unwrap_or_default();
+    d.aero.iter().zip(feet).map(move |(a, foot)| (a.density, run.place(q.rotate(foot.hub))))
+}
+
+/// ½ ρ v² C A against the flow, and down, v against the wind; implicit, so that light vehicles stay calm.
 fn air(d: &VehicleDesc, run: &mut Run, h: f32) {
     let (up, forward) = run.axes();
     let q = run.chassis.m.dq;
     for (i, a) in d.aero.iter().enumerate() {
         let Some(foot) = run.stations.get(d.board.map_or(0, |_| 4) + i) else { continue };
         let r = q.rotate(foot.hub);
-        let flow = run.chassis.velocity_at(r);
+        let (wind, density) = run.flows.get(i).copied().unwrap_or((Vec3::ZERO, a.density));
+        let flow = run.chassis.velocity_at(r) - wind;
         if let Some((n, speed)) = flow.try_normalize() {
-            let b = 0.5 * a.density * a.drag_area * speed * h;
+            let b = 0.5 * density * a.drag_area * speed * h;
             let m = run.chassis.response(r, n, n);
             run.chassis.push(r, n * (-b * speed / (1.0 + b * m)));
         }
         let along = flow.dot(forward);
-        let weight = f32s::min(0.5 * a.density * along * along, 1e9);
+        let weight = f32s::min(0.5 * density * along * along, 1e9);
         run.chassis.push(r, up * (-weight * a.down_area * h));
     }
 }

@@ -6,7 +6,7 @@ use crate::hash::StateHasher;
 use crate::room::rigid::state::{BodyFrame, NONE};
 use crate::table::Table;
 use crate::world::Momentum;
-use jounce_math::{DVec3, Quat, Vec3};
+use jounce_math::{DVec3, Quat, Vec3, scalar::f32s};
 
 /// A wheel, or a station of a board's edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,12 @@ pub(crate) struct WheelState {
     pub steer: f32,
     /// Deflection of the tyre along and across, m.
     pub e: [f32; 2],
-    /// How far the last slip was beyond the one from which all of the patch slides: 1 is there.
+    /// From where all of the patch begins to slide (0) to a locked tyre (1), in the last substep.
     pub sliding: f32,
+    /// Depth in the ground in the last substep, m, and the part of it that it did not come to by moving: that gives no spring's force,
+    /// and goes at the speed of pushing out.
+    pub depth: f32,
+    pub sunk: f32,
     /// Share of the brake's torque that ABS lets through.
     pub let_through: f32,
     /// Impulse about the axle by the tyre in the last substep, N m s.
@@ -56,6 +60,8 @@ impl Default for WheelState {
             steer: 0.0,
             e: [0.0; 2],
             sliding: 0.0,
+            depth: 0.0,
+            sunk: 0.0,
             let_through: 1.0,
             tyre_torque: 0.0,
             ground: NONE,
@@ -71,9 +77,33 @@ impl WheelState {
         (self.u, self.x, self.tyre_torque, self.sliding) = (0.0, 0.0, 0.0, 0.0);
     }
     fn is_finite(&self) -> bool {
-        [self.s, self.u, self.x, self.angle, self.e[0], self.e[1], self.tyre_torque, self.sliding]
-            .iter()
-            .all(|x| x.is_finite())
+        let e = self.e;
+        [
+            self.s,
+            self.u,
+            self.x,
+            self.angle,
+            e[0],
+            e[1],
+            self.tyre_torque,
+            self.sliding,
+            self.depth,
+            self.sunk,
+        ]
+        .iter()
+        .all(|x| x.is_finite())
+    }
+    /// The depth that counts for springs: what was entered by moving, at most `way` (and `slack`) farther than in the last substep. The
+    /// rest becomes depth that counts by at most `push_out` in a substep, and only up to `slack`: so it lifts gently, and a jam stores
+    /// nothing.
+    pub fn entered(&mut self, depth: f32, way: f32, slack: f32, push_out: f32) -> f32 {
+        let depth = f32s::max(depth, 0.0);
+        let fresh = f32s::max(depth - self.depth - way - slack, 0.0);
+        let sunk = f32s::min(self.sunk + fresh, depth);
+        let less = f32s::min(push_out, f32s::max(slack - (depth - sunk), 0.0));
+        self.sunk = f32s::max(sunk - less, 0.0);
+        self.depth = depth;
+        depth - self.sunk
     }
 }
 
@@ -207,6 +237,7 @@ fn hash_wheel(h: &mut StateHasher, w: &WheelState) {
     h.floats(w.seen.slip[0], w.seen.slip[1]);
     h.floats(w.seen.friction, w.seen.suspension);
     h.floats(w.seen.drive, w.sliding);
+    h.floats(w.depth, w.sunk);
     h.dvec3(w.seen.point);
     h.vec3(w.seen.normal);
 }

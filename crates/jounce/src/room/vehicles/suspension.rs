@@ -25,7 +25,9 @@ pub(crate) struct Travel {
     /// F of the anti-roll bars on the wheel, downward, and their stiffness.
     pub bar: f32,
     pub bar_stiffness: f32,
-    /// δ; not above 0 without ground.
+    /// There is ground.
+    pub touches: bool,
+    /// δ.
     pub depth: f32,
     pub closing: f32,
     pub kappa: f32,
@@ -76,7 +78,7 @@ pub(crate) fn solve(w: &WheelDesc, t: &Travel) -> Spring {
     let qs = h * (c + theta(h * (k / m).sqrt()) * h * k);
     let (kt, ct) = (w.tyre.radial_stiffness, w.tyre.radial_damping);
     let qt = h * (ct + theta(h * (kt / m).sqrt()) * h * kt);
-    let touches = t.depth > 0.0;
+    let touches = t.touches;
     let kappa = t.kappa;
     let side = (1.0 - kappa * kappa) * t.chassis + t.ground;
     let free = (h * f0 - qs * t.u) / (1.0 + qs / m);
@@ -122,6 +124,7 @@ mod tests {
             let t = Travel {
                 s,
                 u,
+                touches: s - y as f32 > 0.0,
                 depth: s - y as f32,
                 closing: u - v,
                 kappa: 1.0,

@@ -138,15 +138,27 @@ pub(crate) fn hold(p: &Patch) -> Hold {
     Hold { impulse: j, keep, beta, k, limit }
 }
 
-/// How far a slip is beyond the one from which all of the patch slides, given C/N, the faster of road and rim, and μ: 1 is there.
+/// How far a tyre is from where all of its patch begins to slide (0) to where it slides as if locked (1), given the velocity v of the
+/// tread over the ground, the faster of road and rim, C/N, and μ.
+///
+/// With the slip σ = |v|/speed and z as above the friction falls as 1/z from z = 1 on, and has come down at σ = 1: the part is
+/// (1 − 1/z)/(1 − 1/z₁) with z₁ = z/σ, the z of a locked wheel.
 pub(crate) fn sliding(v: [f32; 2], speed: f32, c: [f32; 2], mu: f32) -> f32 {
     let s = 1.0 / f32s::max(speed, 1.0);
-    size([c[0] * v[0] * s, c[1] * v[1] * s]) / f32s::max(3.0 * mu, 1e-6)
+    let z = size([c[0] * v[0] * s, c[1] * v[1] * s]) / f32s::max(3.0 * mu, 1e-6);
+    let slip = size(v) * s;
+    if z <= 1.0 {
+        0.0
+    } else if slip >= 1.0 {
+        1.0
+    } else {
+        (z - 1.0) / (z - slip)
+    }
 }
 
-/// μ while so much slides: the static one up to 1, then towards the kinetic one.
+/// μ while so much slides: from the static one to the kinetic one.
 pub(crate) fn friction([fixed, kinetic]: [f32; 2], sliding: f32) -> f32 {
-    if sliding <= 1.0 { fixed } else { kinetic + (fixed - kinetic) / sliding }
+    fixed + (kinetic - fixed) * f32s::clamp(sliding, 0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -199,6 +211,21 @@ mod tests {
         }
         let part = -out.impulse[1] / p.h / (60_000.0 * 0.001);
         assert!((part - 0.632_12).abs() < 5e-3, "{part}");
+    }
+
+    #[test]
+    fn a_locked_tyre_has_the_kinetic_friction() {
+        for c in [3.5_f32, 8.0, 20.0, 60.0] {
+            let at = |slip: f32| friction([0.9, 0.6], sliding([slip * 20.0, 0.0], 20.0, [c, c], 0.9));
+            assert!((at(1.0) - 0.6).abs() < 1e-6, "locked: {} of C/N {c}", at(1.0));
+            assert!((at(2.7 / c) - 0.9).abs() < 1e-5, "where all slides: {} of C/N {c}", at(2.7 / c));
+            let mut last = 0.9 + 1e-6;
+            for i in 0..=100 {
+                let mu = at(0.01 * i as f32);
+                assert!(mu <= last && mu >= 0.6 - 1e-6, "{mu} after {last} at slip {i} %");
+                last = mu + 1e-6;
+            }
+        }
     }
 
     #[test]
