@@ -135,7 +135,6 @@ fn dropped_they_hold_together_and_fall_asleep() {
     assert!(asleep.is_some());
 }
 
-/// Ends are not asked for: who lands on his head from 3 m passes that of the neck (docs/roadmap.md).
 #[test]
 fn a_pile_of_them_holds_together_and_falls_asleep() {
     let n = if std::env::var_os("JOUNCE_PROVE").is_some() { 64 } else { 16 };
@@ -143,7 +142,8 @@ fn a_pile_of_them_holds_together_and_falls_asleep() {
     println!("{n}: gap {gap:.2e} m, beyond ends {excess:.2}°, fastest {fastest:.1} m/s, asleep {asleep:?}");
     // From the highest: √(2 g h) with the throw, and a limb that swings about it.
     assert!(fastest < 25.0, "{fastest}");
-    assert!(gap < if n > 16 { 0.1 } else { 0.01 }, "{gap}");
+    assert!(gap < 0.01, "{gap}");
+    assert!(excess < 3.0, "{excess}");
     assert!(asleep.is_some());
 }
 

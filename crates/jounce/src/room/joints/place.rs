@@ -65,8 +65,8 @@ impl JointSet {
         way.sqrt()
     }
 
-    /// Ends of turns that the motion of the substep has passed are put back at once: who runs along the rim of a narrow cone at 80 rad/s
-    /// leaves it by ten degrees in a substep, which no velocity at its start foretells.
+    /// Ends of turns that the motion of the substep has passed are put back at once, and points that it has parted: who runs along the rim
+    /// of a narrow cone at 80 rad/s leaves it by ten degrees in a substep, which no velocity at its start foretells.
     pub(super) fn turn_back(&mut self, joints: &Joints, k: &Constants) {
         if self.plan.is_none() {
             return;
@@ -74,7 +74,8 @@ impl JointSet {
         self.refresh(joints);
         let turns = |x: &&Extra| x.is_hard_end() && x.row.la == Vec3::ZERO;
         let beyond = |s: &Solve| s.extra[..s.taken()].iter().filter(turns).any(|x| x.gap() < -BEYOND);
-        if !self.joints.iter().any(beyond) || self.is_open(OPEN * k.correct) {
+        let gone = self.joints.iter().any(beyond) || self.is_open(GAP * k.correct);
+        if !gone || self.is_open(OPEN * k.correct) {
             return;
         }
         self.keep();
@@ -112,8 +113,9 @@ impl JointSet {
 
 /// How far beyond an end a turn may lead before it is put back, rad.
 const BEYOND: f32 = 0.01;
-/// Sets with points further apart than errors are taken back in this time are not touched, s: 5 cm.
-const OPEN: f32 = 0.005;
+/// Sets with points further apart than errors are taken back in this time are put together, s: 2 mm; up to 20 cm.
+const GAP: f32 = 2e-4;
+const OPEN: f32 = 0.02;
 /// The last of Newton's steps where they have a solution, m or rad.
 const NEAR: f32 = 1e-3;
 /// Newton's steps at most, and the way that ends them, m and rad.
