@@ -964,3 +964,20 @@ fn soft_and_slack_joints_are_not_calmed() {
         assert!((v + 9.81).abs() < 0.01, "falls freely: {v}");
     }
 }
+
+/// What closes a gap is a way without velocity: it counts as motion, and nothing falls asleep half-way.
+#[test]
+fn a_gap_that_closes_keeps_its_bodies_awake() {
+    for kind in [JointKind::Ball(Default::default()), JointKind::Fixed] {
+        let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+        let hook = anchor(&mut w);
+        let b = ball(&mut w, [30.0, 0.0, 0.0], 0.2, 1.0);
+        let frames = jounce::JointFrames::Anchors([0.0; 3].into(), [30.0, 0.0, 0.0].into());
+        let j = w
+            .add_joint(JointDesc { frames, ..JointDesc::ball(hook, b, [0.0; 3]).kind(kind.clone()) })
+            .unwrap();
+        run(&mut w, 10.0);
+        let (gap, awake) = (w.joint(j).unwrap().gap(), w.body(b).unwrap().is_awake());
+        assert!(gap < 1e-3 && !awake, "{kind:?}: {gap} m, awake: {awake}");
+    }
+}

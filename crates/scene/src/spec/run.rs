@@ -72,7 +72,7 @@ pub struct TimelineSpec {
     pub grab: Option<Box<GrabSpec>>,
 }
 
-/// Bodies, joints, vehicles, characters and ragdolls to add. Where the action repeats, names of what it adds go on: "ball[0]", "ball[1]", …
+/// Bodies, joints, vehicles, characters and ragdolls to add. Where the action repeats, names of what it adds go on: `ball[0]`, `ball[1]`, …
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpawnSpec {

@@ -42,9 +42,17 @@ pub(crate) fn finish(
         s.w *= spin / w2.sqrt();
         state.put(&s);
     }
-    let speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
+    let mut speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
+    if !body.joints.is_empty() {
+        // Joints and contacts that disagree leave velocities that lead nowhere, and what closes a gap is a way without velocity.
+        let way = f32s::max(s.dp.length(), s.dr.length() * mass.outer_radius);
+        speed = f32s::max(LEADS_NOWHERE * speed, way / dt);
+    }
     b.sleep_timer = if body.can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
 }
+
+/// Part of the velocity of a body on joints that counts as motion, whatever way it made.
+const LEADS_NOWHERE: f32 = 0.1;
 
 /// The rotation at the end of the step; from the precise one where that is known.
 fn rotation(s: &Motion, turning: &mut Option<Turning>, rotation0: Quat, mass: &Mass) -> Quat {
