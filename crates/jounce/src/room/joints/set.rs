@@ -7,7 +7,8 @@
 //!   that the present velocities would lead to, curvature and all. One Newton step of the position constraint, then: what
 //!   RATTLE solves for (Andersen 1983), and with the velocities made consistent at the new positions by the relaxing pass it is
 //!   symplectic like it: a pendulum's energy does not drift;
-//! * relax, after the positions moved: all rows anew, J u = 0 on those that hold.
+//! * relax, after the positions moved: what the motion passed is put right ([`super::place`]); then all rows anew, J u = 0 on those
+//!   that hold.
 //!
 //! Light links under a heavy load. A link of inertia I under the tension f, held at the lever r, swings across the pull at
 //! ω = √(r·f/I); 20 g under 100 kg at 2,000 rad/s, which no substep resolves, and explicit motion would blow up. So tension acts implicitly
