@@ -416,3 +416,25 @@ fn ragdolls_in_one_place_part_whole() {
         .sum::<f64>();
     assert!(most < start + pushed && end < start, "{start} J, {most} J, {end} J, pushed with {pushed} J");
 }
+
+/// Who is crushed by a press that leaves no room at all is torn, whatever holds him; his bones are calmed then, instead of being driven
+/// round near the speed limit for ever.
+#[test]
+fn a_crushed_ragdoll_does_not_fly_about() {
+    let mut w = world();
+    w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
+    let plate = BodyDesc::kinematic().at([0.0, 3.0, 0.0]).shape(ShapeDesc::cuboid([2.0, 0.5, 2.0]));
+    let plate = w.add_body(plate).unwrap();
+    let d = w.add_ragdoll(&RagdollDesc::human().at([0.0, 0.5, 0.0]).group(-1)).unwrap();
+    run(&mut w, 0.5);
+    w.set_velocity(plate, Vec3::Y * -2.6).unwrap();
+    run(&mut w, 1.0);
+    w.set_velocity(plate, Vec3::ZERO).unwrap();
+    run(&mut w, 3.5);
+    let mass: f64 = d.bodies.iter().map(|&b| f64::from(w.body(b).unwrap().mass())).sum();
+    let kinetic = w.energy().kinetic;
+    let speed = (2.0 * kinetic / mass).sqrt();
+    println!("crushed: {kinetic:.0} J, {speed:.0} m/s");
+    // A tenth of the speed limit, in the mean.
+    assert!(speed < 0.1 * f64::from(jounce::Settings::default().linear_speed_max), "{speed} m/s");
+}
