@@ -109,6 +109,9 @@ impl World {
                 h.quat(t.rotation);
                 h.quat(t.dq);
             }
+            for d in s.drift.into_iter().filter(|d| *d != Vec3::ZERO) {
+                h.vec3(d);
+            }
             if let Some(target) = s.target {
                 h.dvec3(target.p);
                 h.quat(target.q);

@@ -1,7 +1,8 @@
 //! Joints in the step: gathers those that are awake into sets, and hands the sets out.
 
-use super::Step;
+use super::{Step, alike};
 use crate::room::contacts::prepare::Softness;
+use crate::room::joints::alike::Band;
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::direct::root;
 use crate::room::joints::local::Local;
@@ -17,6 +18,8 @@ use jounce_math::{Vec3, scalar::f32s};
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointScratch {
     pub sets: Vec<JointSet>,
+    /// Those of them that are solved side by side.
+    pub bands: Vec<Band>,
     ids: Vec<u32>,
     /// Who was gathered, and which ends moved, when the sets were made.
     made_of: Vec<u64>,
@@ -26,7 +29,7 @@ pub(crate) struct JointScratch {
 }
 
 /// Once per step: the sets, and where everything stands.
-pub(crate) fn prepare(world: &mut World, _: &Step) {
+pub(crate) fn prepare(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.joints);
     s.ids.clear();
     if !world.joints.is_empty() {
@@ -34,6 +37,7 @@ pub(crate) fn prepare(world: &mut World, _: &Step) {
     }
     if s.ids.is_empty() {
         s.sets.clear();
+        s.bands.clear();
         s.made_of.clear();
         world.scratch.joints = s;
         return;
@@ -51,9 +55,11 @@ pub(crate) fn prepare(world: &mut World, _: &Step) {
         s.made_of = made_of;
         s.version = world.joints.version;
         make_sets(world, &s.ids, &mut s.sets);
+        s.bands.clear();
     }
     let shared: &World = world;
     shared.tasks.for_each(&mut s.sets, 1, |_, set| begin(shared, set, !same));
+    alike::prepare(shared, &mut s.sets, &mut s.bands, step);
     world.scratch.joints = s;
 }
 
@@ -196,6 +202,7 @@ fn constants(world: &World, step: &Step) -> Constants {
 /// Before the positions move.
 pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
     let k = constants(world, step);
+    alike::solve(world, &k, substep);
     pass(world, |world, set| {
         set.bodies.iter_mut().for_each(|b| load(world, b));
         set.solve(&world.joints, &k, substep == 0);
@@ -207,6 +214,7 @@ pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
 /// the others. The matrix is that of before.
 pub(crate) fn answer(world: &mut World, step: &Step) {
     let k = constants(world, step);
+    alike::answer(world, &k);
     pass(world, |world, set| {
         let same = |b: &Local| {
             let Some(s) = world.awake.state.get(b.row as usize) else { return true };
@@ -223,6 +231,7 @@ pub(crate) fn answer(world: &mut World, step: &Step) {
 /// After they moved.
 pub(crate) fn relax(world: &mut World, step: &Step) {
     let k = constants(world, step);
+    alike::relax(world, &k);
     pass(world, |world, set| {
         set.bodies.iter_mut().for_each(|b| load(world, b));
         set.relax(&world.joints, &k);
@@ -236,8 +245,12 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
     }
     let mut sets = core::mem::take(&mut world.scratch.joints.sets);
     let shared: &World = world;
-    shared.tasks.for_each(&mut sets, 1, |_, set| f(shared, set));
-    for b in sets.iter().flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
+    shared.tasks.for_each(&mut sets, 1, |_, set| {
+        if set.links.is_empty() {
+            f(shared, set);
+        }
+    });
+    for b in sets.iter().filter(|s| s.links.is_empty()).flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
         world.awake.state[b.row as usize].put(&b.m);
         world.awake.turning[b.row as usize] = b.turning;
     }
@@ -281,7 +294,8 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     }
     let mut s = core::mem::take(&mut world.scratch.joints);
     s.broke.clear();
-    for set in &s.sets {
+    alike::finish(world, &s.sets, &s.bands, step.dt, &mut s.broke);
+    for set in s.sets.iter().filter(|s| s.links.is_empty()) {
         for g in &set.gears {
             world.joints.table[g.id].hard[0] = g.impulse;
         }

@@ -1,5 +1,6 @@
 //! The algorithm, in order: one file per stage.
 
+mod alike;
 pub(crate) mod broadphase;
 pub(crate) mod characters;
 pub(crate) mod commands;

@@ -54,6 +54,15 @@ pub(crate) struct Plan {
     rows: usize,
 }
 
+/// A step of the elimination: a joint, its block, those below by joint and place, and what each pair of them changes.
+#[derive(Clone, Debug)]
+pub(crate) struct Step {
+    pub joint: usize,
+    pub diagonal: usize,
+    pub below: Vec<(usize, usize)>,
+    pub targets: Vec<usize>,
+}
+
 /// Memory of the numbers; not state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Numbers {
@@ -150,6 +159,29 @@ impl Plan {
         list.binary_search_by_key(&row, |b| b.row).map_or(0, |i| list[i].at)
     }
 
+    /// Numbers in all blocks.
+    pub fn floats(&self) -> usize {
+        self.floats
+    }
+    /// Where the block of two joints is, and the joint of its rows.
+    pub fn place(&self, i: usize, k: usize) -> (usize, usize) {
+        let (pi, pk) = (self.position[i], self.position[k]);
+        let (row, column) = if pi < pk { (pk, pi) } else { (pi, pk) };
+        (self.block(row, column) as usize, if pi < pk { k } else { i })
+    }
+    /// The elimination, joint by joint.
+    pub fn steps(&self) -> impl Iterator<Item = Step> + '_ {
+        let joint = |p: u32| self.order[p as usize] as usize;
+        let mut target = 0;
+        (0..self.order.len()).map(move |k| {
+            let below: Vec<(usize, usize)> =
+                self.column(k).iter().map(|b| (joint(b.row), b.at as usize)).collect();
+            let pairs = below.len() * (below.len() + 1) / 2;
+            let targets = self.targets[target..target + pairs].iter().map(|&t| t as usize).collect();
+            target += pairs;
+            Step { joint: joint(k as u32), diagonal: self.diagonal[k] as usize, below, targets }
+        })
+    }
     /// Makes room for the right sides.
     pub fn reserve(&self, n: &mut Numbers) {
         n.x.clear();

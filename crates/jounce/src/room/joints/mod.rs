@@ -11,6 +11,7 @@
 //! Sources: Baraff 1996 (direct); Andersen 1983 (RATTLE); Catto, GDC 2009 and 2011, Solver2D 2024 (soft step, relax).
 
 pub(crate) mod active;
+pub(crate) mod alike;
 pub(crate) mod ball;
 pub mod desc;
 pub(crate) mod direct;

@@ -22,6 +22,7 @@
 //! Sources: Tournier et al., Stable constrained dynamics, 2015; Andrews et al., Geometric stiffness for real-time constrained
 //! multibody dynamics, 2017.
 
+use super::alike::Link;
 use super::desc::JointSolver;
 use super::direct::{Numbers, Plan, ROWS};
 use super::extra::Sweep;
@@ -78,6 +79,8 @@ pub(crate) struct JointSet {
     /// Pairs of joints that share a moving body, and which.
     shared: Vec<(u32, u32, u32)>,
     pub(super) kept: Kept,
+    /// Its joints where it is solved in a band of sets alike, else none.
+    pub links: Vec<Link>,
 }
 
 impl JointSet {

@@ -43,14 +43,22 @@ pub(crate) fn finish(
         state.put(&s);
     }
     let mut speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
-    if !body.joints.is_empty() {
-        // Joints and contacts that disagree leave velocities that lead nowhere, and what closes a gap is a way without velocity.
-        let way = f32s::max(s.dp.length(), s.dr.length() * mass.outer_radius);
-        speed = f32s::max(LEADS_NOWHERE * speed, way / dt);
+    if body.joints.is_empty() {
+        b.drift = [Vec3::ZERO; 2];
+    } else {
+        // Joints and contacts that disagree leave velocities that lead nowhere, and what closes a gap is a way without velocity. In a
+        // heap they are never at one: what trembles on the spot rests.
+        let part = f32s::min(dt / DRIFT_TIME, 1.0);
+        b.drift[0] += (s.dp * (1.0 / dt) - b.drift[0]) * part;
+        b.drift[1] += (s.dr * (1.0 / dt) - b.drift[1]) * part;
+        let drift = f32s::max(b.drift[0].length(), b.drift[1].length() * mass.outer_radius);
+        speed = f32s::max(LEADS_NOWHERE * speed, drift);
     }
     b.sleep_timer = if body.can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
 }
 
+/// Time over which the ways of a body on joints are averaged, s.
+pub(super) const DRIFT_TIME: f32 = 0.1;
 /// Part of the velocity of a body on joints that counts as motion, whatever way it made.
 const LEADS_NOWHERE: f32 = 0.1;
 

@@ -205,6 +205,8 @@ pub(crate) struct BodyStep {
     /// Seconds at rest.
     pub sleep_timer: f32,
     pub sleep_speed: f32,
+    /// Of a body on joints: velocity and spin by the ways it made, averaged over the last [`super::finish::DRIFT_TIME`].
+    pub drift: [Vec3; 2],
     /// Kinematic target for the next step.
     pub target: Option<WorldPose>,
     /// The velocity came from a target: it ends with the step.

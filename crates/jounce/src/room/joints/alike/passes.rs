@@ -1,0 +1,273 @@
+//! The passes of a substep over a band; see [`super::super::set`] for what they are for.
+
+use super::kernels::{Account, Aim, Gain, Move, Push, Refresh, Take, Try};
+use super::matrix::Factor;
+use super::{Band, Z};
+use crate::room::contacts::rows::{LANES, Lane};
+use crate::room::joints::set::Constants;
+use crate::room::rigid::state::BodyState;
+use jounce_lanes::{Width, dispatch};
+use jounce_math::Vec3;
+
+/// Which pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Before the positions move.
+    Solve,
+    /// The same after contacts.
+    Answer,
+    /// Places alone: a velocity is a way, and the substep lasts a second.
+    Place,
+    /// After they moved.
+    Relax,
+}
+
+impl Pass {
+    pub(super) fn looks_ahead(self) -> bool {
+        matches!(self, Self::Solve | Self::Answer)
+    }
+}
+
+/// Rounds of the active set, and of these, those that let ends in.
+const ROUNDS: usize = 16;
+const ROUNDS_OF_ENDS: usize = 8;
+/// As in [`super::super::place`]: how far beyond an end a turn may lead, rad; gaps that are put together, s of correction; Newton's
+/// steps, the way that ends them, and the way of the last that is accepted, m or rad.
+const BEYOND: f32 = 0.01;
+const GAP: f32 = 2e-4;
+const OPEN: f32 = 0.02;
+const PLACINGS: usize = 8;
+const PLACED: f32 = 1e-5;
+const NEAR: f32 = 1e-3;
+/// As in [`super::super::set`]: a joint is torn where it is off by more than errors are taken back in this time, s; and the part of a torn
+/// set's inner velocities that a substep takes.
+const TORN: f32 = 0.1;
+const CALMING: f32 = 0.9;
+
+impl Band {
+    /// Before the positions move.
+    pub fn solve(&mut self, width: Width, states: &[BodyState], k: &Constants, first: bool) {
+        self.wake();
+        dispatch(width, Take { band: self, states });
+        if first {
+            self.refresh(width);
+        }
+        for j in &mut self.joints {
+            for row in &mut j.rows {
+                row.lambda = Z;
+            }
+        }
+        if self.any_pull || self.any_drive {
+            dispatch(width, Push { band: self, first: true, warm: k.warm });
+        }
+        self.rounds(width, Pass::Solve, k);
+        dispatch(width, Gain(self));
+    }
+
+    /// Lanes whose velocities contacts have changed since; tells whether there are any.
+    pub fn touched(&mut self, states: &[BodyState]) -> bool {
+        self.live = Z;
+        for b in &self.bodies {
+            for (l, live) in self.live.iter_mut().enumerate() {
+                let Some(s) = states.get(b.rows[l] as usize) else { continue };
+                if s.v() != b.v.get(l) || s.w() != b.w.get(l) {
+                    *live = 1.0;
+                }
+            }
+        }
+        self.live != Z
+    }
+
+    /// Before the positions move, after contacts, in the lanes that [`Band::touched`] found.
+    pub fn answer(&mut self, width: Width, states: &[BodyState], k: &Constants) {
+        dispatch(width, Take { band: self, states });
+        if self.any_drive {
+            dispatch(width, Push { band: self, first: false, warm: k.warm });
+        }
+        self.rounds(width, Pass::Answer, k);
+        dispatch(width, Gain(self));
+    }
+
+    /// After they moved.
+    pub fn relax(&mut self, width: Width, states: &[BodyState], k: &Constants) {
+        self.placed = [false; LANES];
+        self.wake();
+        dispatch(width, Take { band: self, states });
+        self.refresh(width);
+        self.turn_back(width, k);
+        if self.any_drive {
+            dispatch(width, Push { band: self, first: false, warm: k.warm });
+        }
+        self.rounds(width, Pass::Relax, k);
+        let torn = self.open(TORN * k.correct);
+        for l in (0..LANES).filter(|&l| torn[l]) {
+            self.calm(l);
+        }
+        dispatch(width, Account { band: self, h: k.h });
+        dispatch(width, Gain(self));
+    }
+
+    fn wake(&mut self) {
+        self.live = Z;
+        self.live[..self.sets.len()].fill(1.0);
+    }
+
+    fn refresh(&mut self, width: Width) {
+        dispatch(width, Refresh(self));
+        self.fresh = false;
+    }
+
+    fn rounds(&mut self, width: Width, pass: Pass, k: &Constants) {
+        dispatch(width, Aim { band: self, pass, k });
+        for round in 1..=ROUNDS {
+            self.factor(width);
+            let lets_in = round <= ROUNDS_OF_ENDS;
+            dispatch(width, Try { band: self, pass, k, lets_in, last: round == ROUNDS });
+            if self.live == Z {
+                return;
+            }
+        }
+    }
+
+    /// The matrix of the rows that take part.
+    fn factor(&mut self, width: Width) {
+        let mut same = self.fresh;
+        for (j, link) in self.joints.iter_mut().zip(&self.pattern.joints) {
+            let (holds, ends) = link.kind.turns();
+            for row in &mut j.rows[3 + holds..3 + holds + ends] {
+                same &= row.factored == row.acts;
+                row.factored = row.acts;
+            }
+        }
+        if !same {
+            dispatch(width, Factor(self));
+            self.fresh = true;
+        }
+    }
+
+    /// Sets with a point that is further off than that along some axis.
+    fn open(&self, most: f32) -> [bool; LANES] {
+        let mut open = [false; LANES];
+        for row in self.joints.iter().flat_map(|j| &j.rows[..3]) {
+            for (open, c) in open.iter_mut().zip(&row.c) {
+                *open |= c.abs() > most;
+            }
+        }
+        open
+    }
+
+    /// Ends of turns that the motion passed are put back at once, and points that it parted (see [`super::super::place`]).
+    fn turn_back(&mut self, width: Width, k: &Constants) {
+        let mut gone = self.open(GAP * k.correct);
+        for (j, link) in self.joints.iter().zip(&self.pattern.joints) {
+            let (holds, ends) = link.kind.turns();
+            for row in &j.rows[3 + holds..3 + holds + ends] {
+                for (gone, c) in gone.iter_mut().zip(&row.c) {
+                    *gone |= *c < -BEYOND;
+                }
+            }
+        }
+        let lost = self.open(OPEN * k.correct);
+        for l in 0..LANES {
+            gone[l] &= !lost[l] && l < self.sets.len();
+        }
+        if !gone.contains(&true) {
+            return;
+        }
+        self.keep();
+        self.placed = self.place(width, &gone, k);
+        self.recall();
+        self.refresh(width);
+        self.wake();
+    }
+
+    /// Newton's steps in which C = 0, in these lanes; tells where they came to rest.
+    fn place(&mut self, width: Width, lanes: &[bool; LANES], k: &Constants) -> [bool; LANES] {
+        let k = Constants {
+            h: 1.0,
+            push_out: f32::INFINITY,
+            correct: f32::INFINITY,
+            speed_max: f32::INFINITY,
+            spin_max: core::f32::consts::TAU,
+            ..*k
+        };
+        let mut left = *lanes;
+        let mut last = [f32::INFINITY; LANES];
+        for step in 0..PLACINGS {
+            for b in &mut self.bodies {
+                (b.v.0, b.w.0) = ([Z; 3], [Z; 3]);
+            }
+            for row in self.joints.iter_mut().flat_map(|j| &mut j.rows) {
+                row.lambda = Z;
+            }
+            if step > 0 {
+                self.refresh(width);
+            }
+            self.live = Z;
+            for (live, left) in self.live.iter_mut().zip(&left) {
+                *live = f32::from(u8::from(*left));
+            }
+            self.rounds(width, Pass::Place, &k);
+            let mut way: Lane = Z;
+            dispatch(width, Move { band: self, way: &mut way });
+            for ((left, last), way) in left.iter_mut().zip(&mut last).zip(way) {
+                if *left {
+                    *last = way;
+                    *left = way >= PLACED * PLACED;
+                }
+            }
+            if !left.contains(&true) {
+                break;
+            }
+        }
+        core::array::from_fn(|l| lanes[l] && last[l] < NEAR * NEAR)
+    }
+
+    fn keep(&mut self) {
+        for b in &mut self.bodies {
+            (b.kept_dp, b.kept_dr, b.kept_dq) = (b.dp, b.dr, b.dq);
+        }
+        for row in self.joints.iter_mut().flat_map(|j| &mut j.rows) {
+            row.kept = [row.lambda, row.acts];
+        }
+    }
+
+    /// Velocities and impulses as before; places too but where new ones were found.
+    fn recall(&mut self) {
+        let found = self.placed;
+        for b in &mut self.bodies {
+            (b.v, b.w) = (b.v0, b.w0);
+            for l in (0..LANES).filter(|&l| !found[l]) {
+                for i in 0..3 {
+                    b.dp.0[i][l] = b.kept_dp.0[i][l];
+                    b.dr.0[i][l] = b.kept_dr.0[i][l];
+                }
+                for i in 0..4 {
+                    b.dq[i][l] = b.kept_dq[i][l];
+                }
+            }
+        }
+        for row in self.joints.iter_mut().flat_map(|j| &mut j.rows) {
+            [row.lambda, row.acts] = row.kept;
+        }
+    }
+
+    /// Draws the velocities of a torn set towards that of its centre of mass.
+    fn calm(&mut self, l: usize) {
+        let (mut p, mut mass) = (Vec3::ZERO, 0.0);
+        for b in self.bodies.iter().filter(|b| b.inv_mass[l] > 0.0) {
+            let m = 1.0 / b.inv_mass[l];
+            p += b.v.get(l) * m;
+            mass += m;
+        }
+        if mass <= 0.0 || !mass.is_finite() {
+            return;
+        }
+        let mean = p / mass;
+        for b in &mut self.bodies {
+            let (v, w) = (b.v.get(l), b.w.get(l));
+            b.v.set(l, v + (mean - v) * CALMING);
+            b.w.set(l, w - w * CALMING);
+        }
+    }
+}

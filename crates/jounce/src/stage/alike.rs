@@ -1,0 +1,209 @@
+//! Sets of joints that are alike: gathers them into bands and hands those out (see [`crate::room::joints::alike`]).
+
+use super::Step;
+use crate::room::joints::alike::{Band, Kind, Link, NOBODY, Pattern, Side};
+use crate::room::joints::desc::JointKind;
+use crate::room::joints::hinge;
+use crate::room::joints::rows::Ends;
+use crate::room::joints::set::{Constants, JointSet};
+use crate::room::contacts::rows::LANES;
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::solve::turns_freely;
+use crate::room::rigid::state::{BodyState, Motion};
+use crate::world::World;
+use jounce_math::{Quat, scalar::f32s};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Joints in a set up to which it is solved alone: that costs little.
+const SMALL: usize = 4;
+/// Joints and bodies of a set at most.
+const LARGE: usize = 64;
+/// Ratio of two masses on one joint that f32 stands.
+const RATIO: f32 = 20.0;
+
+/// Links of the set where it may go into a band: kinds that the kernels know, no loops, free of all that does not move, like masses.
+fn links(world: &World, set: &JointSet, h: f32, out: &mut Vec<Link>) -> bool {
+    out.clear();
+    let n = set.joints.len();
+    if !set.gears.is_empty() || n <= SMALL || n > LARGE || set.bodies.len() != n + 1 {
+        return false;
+    }
+    let free = |row: u32| {
+        world.awake.step.get(row as usize).is_some_and(|b| b.kind == BodyKind::Dynamic && b.locks == 0)
+    };
+    if set.plan.is_none() || !set.bodies.iter().all(|b| free(b.row)) {
+        return false;
+    }
+    for s in &set.joints {
+        let Some(kind) = Kind::of(&world.joints.table[s.id].desc, h) else { return false };
+        let [a, b] = [s.a, s.b].map(|b| set.bodies[b].inv_mass.x);
+        if f32s::max(a, b) > RATIO * f32s::min(a, b) {
+            return false;
+        }
+        out.push(Link { kind, a: s.a as u16, b: s.b as u16 });
+    }
+    true
+}
+
+/// Once per step: who stands beside whom, and all numbers.
+pub(super) fn prepare(world: &World, sets: &mut [JointSet], bands: &mut Vec<Band>, step: &Step) {
+    let h = step.constants.h;
+    let mut same = bands.iter().all(|b| b.sets.iter().all(|&s| (s as usize) < sets.len()));
+    let mut now = Vec::new();
+    for set in sets.iter_mut() {
+        links(world, set, h, &mut now);
+        if set.links != now {
+            set.links.clone_from(&now);
+            same = false;
+        }
+    }
+    let banded: usize = bands.iter().map(|b| b.sets.len()).sum();
+    if !same || banded != sets.iter().filter(|s| !s.links.is_empty()).count() {
+        gather(sets, bands);
+    }
+    let sets = &*sets;
+    world.tasks.for_each(bands, 1, |_, band| {
+        band.clear();
+        for l in 0..band.sets.len() {
+            let set = &sets[band.sets[l] as usize];
+            for (i, b) in set.bodies.iter().enumerate() {
+                let rotation = world.frames[b.slot as usize].rotation.to_mat3();
+                let inertia = rotation * world.bodies[b.slot].mass.inertia * rotation.transpose();
+                let side =
+                    Side { row: b.row, inv_mass: b.start_inv_mass.x, inertia, inverse: b.start_tensor };
+                band.fill_body(i, l, &side);
+            }
+            for (i, s) in set.joints.iter().enumerate() {
+                band.fill_joint(i, l, &world.joints.table[s.id], &s.start, h);
+            }
+        }
+    });
+}
+
+/// Sets by their links; a band for every sixteen.
+fn gather(sets: &[JointSet], bands: &mut Vec<Band>) {
+    bands.clear();
+    let mut patterns: BTreeMap<&[Link], (Option<Arc<Pattern>>, usize)> = BTreeMap::new();
+    for (i, set) in sets.iter().enumerate().filter(|(_, s)| !s.links.is_empty()) {
+        let (pattern, last) = patterns
+            .entry(&set.links)
+            .or_insert_with(|| (Pattern::new(&set.links, set.bodies.len()).map(Arc::new), usize::MAX));
+        let Some(pattern) = pattern else { continue };
+        if bands.get(*last).is_none_or(|b| b.sets.len() == LANES) {
+            *last = bands.len();
+            bands.push(Band::new(pattern));
+        }
+        bands[*last].sets.push(i as u32);
+    }
+}
+
+/// One pass over all bands.
+fn pass(world: &mut World, f: impl Fn(&World, &mut Band) -> bool + Sync) {
+    if world.scratch.joints.bands.is_empty() {
+        return;
+    }
+    let mut bands = core::mem::take(&mut world.scratch.joints.bands);
+    let shared: &World = world;
+    shared.tasks.for_each(&mut bands, 1, |_, band| {
+        band.changed = f(shared, band);
+    });
+    for band in bands.iter().filter(|b| b.changed) {
+        put(world, band);
+    }
+    world.scratch.joints.bands = bands;
+}
+
+/// ω that the memories of the momenta know.
+fn know(world: &World, band: &mut Band) {
+    for b in &mut band.bodies {
+        for l in 0..LANES {
+            b.known[l] = 0.0;
+            let row = b.rows[l] as usize;
+            let Some(Some(t)) = world.awake.turning.get(row) else { continue };
+            let step = &world.awake.step[row];
+            let rotation = world.frames[step.body as usize].rotation;
+            if turns_freely(step) && t.rotation == rotation && t.dq == world.awake.state[row].get().dq {
+                b.known[l] = 1.0;
+                b.known_w.set(l, t.w);
+            }
+        }
+    }
+}
+
+fn put(world: &mut World, band: &Band) {
+    for b in &band.bodies {
+        for l in 0..band.sets.len() {
+            let row = b.rows[l];
+            if row == NOBODY {
+                continue;
+            }
+            let state = &mut world.awake.state[row as usize];
+            let (v, w) = (b.v.get(l), b.w.get(l));
+            if band.placed[l] {
+                let [x, y, z, s] = [0, 1, 2, 3].map(|i: usize| b.dq[i][l]);
+                state.put(&Motion { v, w, dp: b.dp.get(l), dr: b.dr.get(l), dq: Quat::new(x, y, z, s) });
+                continue;
+            }
+            state.set_velocity(v, w);
+            if b.known[l] == 1.0
+                && let Some(t) = &mut world.awake.turning[row as usize]
+            {
+                t.momentum += b.gain.get(l).as_dvec3();
+                t.w = w;
+            }
+        }
+    }
+}
+
+/// Before the positions move.
+pub(super) fn solve(world: &mut World, k: &Constants, substep: u32) {
+    pass(world, |world, band| {
+        know(world, band);
+        band.solve(world.width, &world.awake.state, k, substep == 0);
+        true
+    });
+}
+
+/// The same after contacts, where they changed anything.
+pub(super) fn answer(world: &mut World, k: &Constants) {
+    pass(world, |world, band| {
+        let touched = band.touched(&world.awake.state);
+        if touched {
+            know(world, band);
+            band.answer(world.width, &world.awake.state, k);
+        }
+        touched
+    });
+}
+
+/// After they moved.
+pub(super) fn relax(world: &mut World, k: &Constants) {
+    pass(world, |world, band| {
+        know(world, band);
+        band.relax(world.width, &world.awake.state, k);
+        true
+    });
+}
+
+/// Impulses back to the records, and what broke: joint, force, torque.
+pub(super) fn finish(world: &mut World, sets: &[JointSet], bands: &[Band], dt: f32, broke: &mut Vec<(u32, f32, f32)>) {
+    for band in bands {
+        for (l, &set) in band.sets.iter().enumerate() {
+            let set = &sets[set as usize];
+            for (i, s) in set.joints.iter().enumerate() {
+                let motion = |b: usize| {
+                    world.awake.state.get(set.bodies[b].row as usize).unwrap_or(&BodyState::FIXED).get()
+                };
+                let e = Ends::now(&s.start, &motion(s.a), &motion(s.b));
+                let j = &mut world.joints.table[s.id];
+                if band.store_joint(i, l, j, dt, e.qa) {
+                    broke.push((s.id, j.force.length(), j.torque.length()));
+                }
+                if let JointKind::Hinge(_) = j.desc.kind {
+                    j.coordinate = hinge::angle(&e, j.coordinate).c;
+                }
+            }
+        }
+    }
+}
