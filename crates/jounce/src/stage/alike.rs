@@ -22,9 +22,8 @@ const LARGE: usize = 64;
 /// Ratio of two masses on one joint that f32 stands.
 const RATIO: f32 = 20.0;
 
-/// Links of the set where it may go into a band: kinds that the kernels know, no loops, free of all that does not move, like masses.
-fn links(world: &World, set: &JointSet, h: f32, out: &mut Vec<Link>) -> bool {
-    out.clear();
+/// May the set go into a band? Then `out` gets its links: kinds that the kernels know, no loops, free of all that does not move, like masses.
+fn fits(world: &World, set: &JointSet, h: f32, out: &mut Vec<Link>) -> bool {
     let n = set.joints.len();
     if !set.gears.is_empty() || n <= SMALL || n > LARGE || set.bodies.len() != n + 1 {
         return false;
@@ -52,7 +51,10 @@ pub(super) fn prepare(world: &World, sets: &mut [JointSet], bands: &mut Vec<Band
     let mut same = bands.iter().all(|b| b.sets.iter().all(|&s| (s as usize) < sets.len()));
     let mut now = Vec::new();
     for set in sets.iter_mut() {
-        links(world, set, h, &mut now);
+        now.clear();
+        if !fits(world, set, h, &mut now) {
+            now.clear();
+        }
         if set.links != now {
             set.links.clone_from(&now);
             same = false;

@@ -35,14 +35,15 @@ impl JointSet {
         let mut way = 0.0;
         for _ in 0..if direct { PLACINGS } else { 4 * PLACINGS } {
             self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
+            for s in self.joints.iter_mut().filter(|s| s.rod) {
+                s.give_way[1..3].fill(f32::INFINITY);
+            }
+            self.refresh(joints);
+            // Rows that are new have fetched the impulses of the last step.
             for s in &mut self.joints {
                 s.lambda = [0.0; HARD];
                 s.extra.iter_mut().for_each(|x| x.impulse = 0.0);
-                if s.rod {
-                    s.give_way[1..3].fill(f32::INFINITY);
-                }
             }
-            self.refresh(joints);
             if direct {
                 self.direct(joints, &k, Sweep::Place, true);
             } else {
