@@ -169,6 +169,10 @@ impl JointLanes {
             row.lambda[l] = 0.0;
             row.acts[l] = 1.0;
         }
+        let pull = start.qa.rotate(Vec3::new(j.hard[0], j.hard[1], j.hard[2]));
+        for i in 0..3 {
+            self.rows[i].lambda[l] = pull[i];
+        }
         let [cone, twist] = end_rows(kind);
         if let Some((at, angle)) = e.cone {
             self.cone[l] = angle;

@@ -103,6 +103,76 @@ fn place_ahead<L: Lanes>(b: &Bodies, at: usize, h: L) -> (Wide3<L>, WideQuat<L>)
     (p.add(Wide3::load(&b.v, at).scale(h)), turned(Wide3::load(&b.w, at).scale(h), q))
 }
 
+/// Inertia as it is now, and geometric stiffness: see the text of [`crate::room::joints::set`].
+pub(super) struct Stiffen<'a> {
+    pub band: &'a mut Band,
+    pub h: f32,
+}
+
+impl Kernel for Stiffen<'_> {
+    /// Is anything stiffened?
+    type Output = bool;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> bool {
+        let Band { pattern, bodies, joints, .. } = self.band;
+        let (h, zero) = (L::splat(self.h), L::zero());
+        let mut any = false;
+        for (body, b) in bodies.iter_mut().enumerate() {
+            for at in (0..LANES).step_by(L::WIDTH) {
+                let q = WideQuat::<L>::load(&b.dq, at);
+                let plain = q.turn(Sym::load(&b.inverse, at));
+                let own = q.turn(Sym::load(&b.inertia, at));
+                let mut added = own.scale(zero);
+                for &(j, is_a) in &pattern.at_body[body] {
+                    let j = &joints[j as usize];
+                    let [x, y, z] = [0, 1, 2].map(
+                        #[inline(always)]
+                        |i: usize| L::load(&j.rows[i].lambda[at..]),
+                    );
+                    let f = Wide3::new(x, y, z).scale(L::splat(if is_a { -1.0 } else { 1.0 }));
+                    let r = q.rotate(Wide3::load(if is_a { &j.ra } else { &j.rb }, at));
+                    let g = h * r.dot(f);
+                    let n2 = r.dot(r);
+                    let pulls = g.gt(zero) & n2.gt(zero);
+                    let n = r.scale(L::splat(1.0) / L::select(pulls, n2, L::splat(1.0)).sqrt());
+                    added = added.plus(Sym::across(n).scale(L::select(pulls, g, zero)));
+                }
+                let (g, i) = (added.trace(), own.trace());
+                let over = g.gt(i);
+                any |= over.any();
+                // Only the part that explicit motion cannot stand.
+                let part = L::select(over, L::splat(1.0) - i / L::select(over, g, L::splat(1.0)), zero);
+                let raised = own.plus(added.scale(part)).inverse();
+                let tensor = Sym::select(over, raised, plain);
+                tensor.store(&mut b.tensor, at);
+                tensor.store(&mut b.raised, at);
+                L::select(over, L::splat(1.0), zero).store(&mut b.stiff[at..]);
+            }
+        }
+        any
+    }
+}
+
+/// The turns of what tension added to: (I + G′) ω′ = I ω.
+pub(super) struct Damp<'a>(pub &'a mut Band);
+
+impl Kernel for Damp<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for b in &mut self.0.bodies {
+            for at in (0..LANES).step_by(L::WIDTH) {
+                let q = WideQuat::<L>::load(&b.dq, at);
+                let w = Wide3::<L>::load(&b.w, at);
+                let own = q.turn(Sym::load(&b.inertia, at));
+                let slow = Sym::load(&b.raised, at).times(own.times(w));
+                let stiff = L::load(&b.stiff[at..]).gt(L::zero());
+                select3(stiff, slow, w).store(&mut b.w, at);
+            }
+        }
+    }
+}
+
 /// Two ends of a joint at some time.
 #[derive(Clone, Copy)]
 struct Ends<L> {
@@ -191,12 +261,6 @@ impl Kernel for Refresh<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let Band { pattern, bodies, joints, .. } = self.0;
-        for b in bodies.iter_mut() {
-            for at in (0..LANES).step_by(L::WIDTH) {
-                let q = WideQuat::<L>::load(&b.dq, at);
-                q.turn(Sym::load(&b.inverse, at)).store(&mut b.tensor, at);
-            }
-        }
         for (link, j) in pattern.joints.iter().zip(joints) {
             let (a, b) = (&bodies[link.a as usize], &bodies[link.b as usize]);
             for at in (0..LANES).step_by(L::WIDTH) {

@@ -9,8 +9,7 @@
 //!
 //! * f32, so only for sets whose masses are alike, that are free of all that does not move and that close no loop;
 //! * the point is held in world axes: d = p_b − p_a = 0, J = (−1, [r_a + d], 1, −[r_b]), which exchanges angular momentum exactly;
-//! * motors of a velocity and friction push once per pass, joint by joint, ahead of the rows that hold, with a 3×3 mass;
-//! * no geometric stiffness: like masses need none.
+//! * motors of a velocity and friction push once per pass, joint by joint, ahead of the rows that hold, with a 3×3 mass.
 //!
 //! Rows of a joint: the point (3); a hinge's axis (2) or a weld's turns (3); the cone and the nearer end of the twist, as they are
 //! described. Rows of ends point so that they push: λ ≥ 0. One that takes no part is zero but for a 1 on the diagonal.
@@ -55,6 +54,9 @@ pub(crate) struct Bodies {
     pub inverse: [Lane; 6],
     /// Inverse as it is now.
     pub tensor: [Lane; 6],
+    /// The same with what tension adds to inertia, and whether that is anything (1).
+    raised: [Lane; 6],
+    stiff: Lane,
     pub v: LaneVec,
     pub w: LaneVec,
     /// The same as the pass took them over, w by the inertia of the moment.
@@ -150,6 +152,8 @@ pub(crate) struct Band {
     live: Lane,
     /// The matrix is that of the rows as they are.
     fresh: bool,
+    /// Some body of some set is stiffened.
+    any_stiff: bool,
     pub any_pull: bool,
     pub any_drive: bool,
     /// Lanes whose bodies [`Pass::Relax`] put elsewhere.
@@ -168,6 +172,7 @@ impl Band {
             matrix: vec![Z; pattern.floats],
             live: Z,
             fresh: false,
+            any_stiff: false,
             any_pull: false,
             any_drive: false,
             placed: [false; LANES],
@@ -187,6 +192,8 @@ impl Default for Bodies {
             inertia: [Z; 6],
             inverse: [Z; 6],
             tensor: [Z; 6],
+            raised: [Z; 6],
+            stiff: Z,
             v: V,
             w: V,
             v0: V,

@@ -1,6 +1,6 @@
 //! The passes of a substep over a band; see [`super::super::set`] for what they are for.
 
-use super::kernels::{Account, Aim, Gain, Move, Push, Refresh, Take, Try};
+use super::kernels::{Account, Aim, Damp, Gain, Move, Push, Refresh, Stiffen, Take, Try};
 use super::matrix::Factor;
 use super::{Band, Z};
 use crate::room::contacts::rows::{LANES, Lane};
@@ -50,7 +50,11 @@ impl Band {
         self.wake();
         dispatch(width, Take { band: self, states });
         if first {
+            self.any_stiff = dispatch(width, Stiffen { band: self, h: k.h });
             self.refresh(width);
+        }
+        if self.any_stiff {
+            dispatch(width, Damp(self));
         }
         for j in &mut self.joints {
             for row in &mut j.rows {
@@ -94,7 +98,11 @@ impl Band {
         self.wake();
         dispatch(width, Take { band: self, states });
         self.refresh(width);
-        self.turn_back(width, k);
+        let placed = self.turn_back(width, k);
+        self.any_stiff = dispatch(width, Stiffen { band: self, h: k.h });
+        if self.any_stiff || placed {
+            self.refresh(width);
+        }
         if self.any_drive {
             dispatch(width, Push { band: self, first: false, warm: k.warm });
         }
@@ -157,7 +165,7 @@ impl Band {
     }
 
     /// Ends of turns that the motion passed are put back at once, and points that it parted (see [`super::super::place`]).
-    fn turn_back(&mut self, width: Width, k: &Constants) {
+    fn turn_back(&mut self, width: Width, k: &Constants) -> bool {
         let mut gone = self.open(GAP * k.correct);
         for (j, link) in self.joints.iter().zip(&self.pattern.joints) {
             let (holds, ends) = link.kind.turns();
@@ -172,13 +180,13 @@ impl Band {
             gone[l] &= !lost[l] && l < self.sets.len();
         }
         if !gone.contains(&true) {
-            return;
+            return false;
         }
         self.keep();
         self.placed = self.place(width, &gone, k);
         self.recall();
-        self.refresh(width);
         self.wake();
+        true
     }
 
     /// Newton's steps in which C = 0, in these lanes; tells where they came to rest.

@@ -185,9 +185,48 @@ impl<L: Lanes> Sym<L> {
             self.xz * v.x + self.yz * v.y + self.zz * v.z,
         )
     }
-    /// T⁻¹ v; 0 where T is singular.
     #[inline(always)]
-    pub fn solve(self, v: Wide3<L>) -> Wide3<L> {
+    pub fn scale(self, k: L) -> Self {
+        Self {
+            xx: self.xx * k,
+            yy: self.yy * k,
+            zz: self.zz * k,
+            xy: self.xy * k,
+            xz: self.xz * k,
+            yz: self.yz * k,
+        }
+    }
+    #[inline(always)]
+    pub fn trace(self) -> L {
+        self.xx + self.yy + self.zz
+    }
+    /// 1 − n nᵀ.
+    #[inline(always)]
+    pub fn across(n: Wide3<L>) -> Self {
+        let one = L::splat(1.0);
+        Self {
+            xx: one - n.x * n.x,
+            yy: one - n.y * n.y,
+            zz: one - n.z * n.z,
+            xy: -(n.x * n.y),
+            xz: -(n.x * n.z),
+            yz: -(n.y * n.z),
+        }
+    }
+    #[inline(always)]
+    pub fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            xx: L::select(mask, yes.xx, no.xx),
+            yy: L::select(mask, yes.yy, no.yy),
+            zz: L::select(mask, yes.zz, no.zz),
+            xy: L::select(mask, yes.xy, no.xy),
+            xz: L::select(mask, yes.xz, no.xz),
+            yz: L::select(mask, yes.yz, no.yz),
+        }
+    }
+    /// T⁻¹; 0 where T is singular.
+    #[inline(always)]
+    pub fn inverse(self) -> Self {
         let a = self.yy * self.zz - self.yz * self.yz;
         let b = self.xz * self.yz - self.xy * self.zz;
         let c = self.xy * self.yz - self.xz * self.yy;
@@ -195,7 +234,12 @@ impl<L: Lanes> Sym<L> {
         let d = self.xx * self.zz - self.xz * self.xz;
         let e = self.xy * self.xz - self.xx * self.yz;
         let f = self.xx * self.yy - self.xy * self.xy;
-        Sym { xx: a, yy: d, zz: f, xy: b, xz: c, yz: e }.times(v).scale(inv)
+        Sym { xx: a, yy: d, zz: f, xy: b, xz: c, yz: e }.scale(inv)
+    }
+    /// T⁻¹ v; 0 where T is singular.
+    #[inline(always)]
+    pub fn solve(self, v: Wide3<L>) -> Wide3<L> {
+        self.inverse().times(v)
     }
 }
 
