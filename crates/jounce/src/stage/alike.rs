@@ -1,12 +1,12 @@
 //! Sets of joints that are alike: gathers them into bands and hands those out (see [`crate::room::joints::alike`]).
 
 use super::Step;
+use crate::room::contacts::rows::LANES;
 use crate::room::joints::alike::{Band, Kind, Link, NOBODY, Pattern, Side};
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::hinge;
 use crate::room::joints::rows::Ends;
 use crate::room::joints::set::{Constants, JointSet};
-use crate::room::contacts::rows::LANES;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::solve::turns_freely;
 use crate::room::rigid::state::{BodyState, Motion};
@@ -72,8 +72,8 @@ pub(super) fn prepare(world: &World, sets: &mut [JointSet], bands: &mut Vec<Band
             for (i, b) in set.bodies.iter().enumerate() {
                 let rotation = world.frames[b.slot as usize].rotation.to_mat3();
                 let inertia = rotation * world.bodies[b.slot].mass.inertia * rotation.transpose();
-                let side =
-                    Side { row: b.row, inv_mass: b.start_inv_mass.x, inertia, inverse: b.start_tensor };
+                let (inv_mass, inverse) = (b.start_inv_mass.x, b.start_tensor);
+                let side = Side { row: b.row, inv_mass, at: b.at, inertia, inverse };
                 band.fill_body(i, l, &side);
             }
             for (i, s) in set.joints.iter().enumerate() {
@@ -189,7 +189,13 @@ pub(super) fn relax(world: &mut World, k: &Constants) {
 }
 
 /// Impulses back to the records, and what broke: joint, force, torque.
-pub(super) fn finish(world: &mut World, sets: &[JointSet], bands: &[Band], dt: f32, broke: &mut Vec<(u32, f32, f32)>) {
+pub(super) fn finish(
+    world: &mut World,
+    sets: &[JointSet],
+    bands: &[Band],
+    dt: f32,
+    broke: &mut Vec<(u32, f32, f32)>,
+) {
     for band in bands {
         for (l, &set) in band.sets.iter().enumerate() {
             let set = &sets[set as usize];

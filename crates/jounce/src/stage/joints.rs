@@ -12,7 +12,7 @@ use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::solve::{absorb, settle, turns_freely};
 use crate::room::rigid::state::{InvInertia, NONE};
 use crate::world::World;
-use jounce_math::{Vec3, scalar::f32s};
+use jounce_math::{DVec3, Vec3, scalar::f32s};
 
 /// Memory that is reused from step to step and is not state.
 #[derive(Clone, Debug, Default)]
@@ -154,8 +154,10 @@ fn make_sets(world: &World, ids: &[u32], sets: &mut Vec<JointSet>) {
 
 /// The start of a step for one set.
 fn begin(world: &World, set: &mut JointSet, new: bool) {
+    let first = set.bodies.first().map_or(DVec3::ZERO, |b| world.frames[b.slot as usize].center);
     for b in &mut set.bodies {
         b.row = world.frames[b.slot as usize].row;
+        b.at = (world.frames[b.slot as usize].center - first).as_vec3();
         let Some(inertia) = world.awake.inertia.get(b.row as usize) else { continue };
         let step = &world.awake.step[b.row as usize];
         let dynamic = step.kind == BodyKind::Dynamic;
@@ -250,7 +252,12 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
             f(shared, set);
         }
     });
-    for b in sets.iter().filter(|s| s.links.is_empty()).flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves()) {
+    for b in sets
+        .iter()
+        .filter(|s| s.links.is_empty())
+        .flat_map(|s| &s.bodies)
+        .filter(|b| b.row != NONE && b.moves())
+    {
         world.awake.state[b.row as usize].put(&b.m);
         world.awake.turning[b.row as usize] = b.turning;
     }
@@ -263,7 +270,7 @@ fn load(world: &World, b: &mut Local) {
     (b.inv_mass, b.tensor) = (b.start_inv_mass, b.start_tensor);
     let frame = &world.frames[b.slot as usize];
     let mass = &world.bodies[b.slot].mass;
-    b.inertia = None;
+    (b.inertia, b.loaded_dq) = (None, b.m.dq);
     if b.turns && b.inv_mass.max_component() > 0.0 {
         let r = (b.m.dq * frame.rotation).to_mat3();
         let raised = world.awake.step[b.row as usize].raised;

@@ -1,7 +1,7 @@
 //! A body of a set, and its inertia under tension.
 
 use crate::room::rigid::state::{InvInertia, Motion, NONE, Turning};
-use jounce_math::{Mat3, Vec3};
+use jounce_math::{Mat3, Quat, Vec3};
 
 /// A body of a set.
 #[derive(Clone, Debug)]
@@ -10,6 +10,8 @@ pub(crate) struct Local {
     /// Awake row, or NONE for what does not move.
     pub row: u32,
     pub m: Motion,
+    /// Centre of mass at the start of the step, from that of the set's first body.
+    pub at: Vec3,
     /// Inverse mass along each world axis: 0 along locked ones.
     pub inv_mass: Vec3,
     pub tensor: InvInertia,
@@ -24,6 +26,8 @@ pub(crate) struct Local {
     pub turns: bool,
     /// World inertia now, where it may be raised: turns unlocked.
     pub inertia: Option<Mat3>,
+    /// Rotation since the start of the step that it belongs to.
+    pub loaded_dq: Quat,
     /// What tension adds to inertia in this substep.
     pub(super) added_inertia: Mat3,
     /// Σ of the pass, f64: impulses of a heavy load through light links cancel to a millionth.
@@ -39,6 +43,7 @@ impl Local {
             slot,
             row: NONE,
             m,
+            at: Vec3::ZERO,
             inv_mass: Vec3::ZERO,
             tensor: InvInertia::default(),
             turning: None,
@@ -47,6 +52,7 @@ impl Local {
             start_tensor: InvInertia::default(),
             turns: false,
             inertia: None,
+            loaded_dq: Quat::IDENTITY,
             added_inertia: Mat3::ZERO,
             dv: [0.0; 6],
             before: [Vec3::ZERO; 2],

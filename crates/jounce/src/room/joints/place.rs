@@ -8,7 +8,7 @@ use super::solve::{HARD, Solve};
 use super::state::Joints;
 use crate::room::contacts::prepare::Softness;
 use crate::room::rigid::state::{Motion, NONE};
-use jounce_math::{Vec3, scalar::f32s};
+use jounce_math::{Mat3, Vec3, scalar::f32s};
 
 /// What [`JointSet::place`] would lose; memory, not state.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +16,13 @@ pub(crate) struct Kept {
     motions: Vec<Motion>,
     joints: Vec<([f32; HARD], [f32; HARD], bool)>,
     extra: Vec<(f32, bool)>,
+}
+
+/// Of a free set.
+struct Spin {
+    centre: Vec3,
+    angular: Vec3,
+    inertia: Mat3,
 }
 
 impl JointSet {
@@ -80,9 +87,47 @@ impl JointSet {
             return;
         }
         self.keep();
+        let before = self.spin();
         // What does not come to rest has no solution near by.
         let found = self.place(joints) < NEAR;
         self.recall(!found);
+        if found && let (Some(before), Some(after)) = (before, self.spin()) {
+            self.turn_all(&after, before.angular - after.angular);
+        }
+    }
+
+    /// Angular momentum about the centre of mass, of a set that is free and turns about all axes.
+    fn spin(&self) -> Option<Spin> {
+        let (mut mass, mut centre, mut p) = (0.0, Vec3::ZERO, Vec3::ZERO);
+        for b in &self.bodies {
+            if b.row == NONE || b.inv_mass.min_component() <= 0.0 {
+                return None;
+            }
+            let m = 1.0 / b.inv_mass.x;
+            mass += m;
+            centre += (b.at + b.m.dp) * m;
+            p += b.m.v * m;
+        }
+        let (centre, mean) = (centre / mass, p / mass);
+        let mut s = Spin { centre, angular: Vec3::ZERO, inertia: Mat3::ZERO };
+        for b in &self.bodies {
+            let (m, r) = (1.0 / b.inv_mass.x, b.at + b.m.dp - centre);
+            // Since it was looked up.
+            let r3 = (b.m.dq * b.loaded_dq.conjugate()).normalize().to_mat3();
+            let turned = r3 * b.inertia? * r3.transpose();
+            s.angular += r.cross(b.m.v - mean) * m + turned * b.m.w;
+            s.inertia = s.inertia + turned + (Mat3::IDENTITY.scale(r.dot(r)) - Mat3::outer(r, r)).scale(m);
+        }
+        Some(s)
+    }
+
+    /// Gives a free set angular momentum as a rigid turn, which no joint notices: places that were put right have not kept it.
+    fn turn_all(&mut self, s: &Spin, change: Vec3) {
+        let Some(turn) = s.inertia.inverse().map(|i| i * change).filter(|t| t.is_finite()) else { return };
+        for b in &mut self.bodies {
+            b.m.v += turn.cross(b.at + b.m.dp - s.centre);
+            b.m.w += turn;
+        }
     }
 
     fn keep(&mut self) {

@@ -104,6 +104,8 @@ fn set_quat(to: &mut [Lane; 4], l: usize, q: Quat) {
 pub(crate) struct Side {
     pub row: u32,
     pub inv_mass: f32,
+    /// Centre of mass from that of the set's first body.
+    pub at: Vec3,
     /// World inertia and inverse at the start of the step.
     pub inertia: Mat3,
     pub inverse: InvInertia,
@@ -124,6 +126,7 @@ impl Band {
         let (b, l) = (&mut self.bodies[body], l % LANES);
         b.rows[l] = s.row;
         b.inv_mass[l] = s.inv_mass;
+        b.at.set(l, s.at);
         let (i, t) = (&s.inertia, &s.inverse);
         let whole = [i.cx.x, i.cy.y, i.cz.z, i.cy.x, i.cz.x, i.cz.y];
         for (to, from) in b.inertia.iter_mut().zip(whole) {

@@ -189,13 +189,7 @@ impl<L: Lanes> Ends<L> {
         let ra = a.1.rotate(Wide3::load(&j.ra, at));
         let rb = b.1.rotate(Wide3::load(&j.rb, at));
         let d = Wide3::load(&j.offset, at).add(b.0.sub(a.0)).add(rb.sub(ra));
-        Self {
-            ra,
-            rb,
-            qa: a.1.times(WideQuat::load(&j.qa, at)),
-            qb: b.1.times(WideQuat::load(&j.qb, at)),
-            d,
-        }
+        Self { ra, rb, qa: a.1.times(WideQuat::load(&j.qa, at)), qb: b.1.times(WideQuat::load(&j.qb, at)), d }
     }
     #[inline(always)]
     fn now(j: &JointLanes, at: usize, a: &Bodies, b: &Bodies) -> Self {
@@ -804,6 +798,54 @@ impl Kernel for Move<'_> {
                 way = way.max(v.dot(v)).max(w.dot(w));
             }
             way.store(&mut self.way[at..]);
+        }
+    }
+}
+
+/// Angular momentum about the centre of mass: kept before places are put right; after it, in the lanes in which they were, given back
+/// as a rigid turn, which no joint notices.
+pub(super) struct Spin<'a> {
+    pub band: &'a mut Band,
+    /// 1 in the lanes that are given back; none: keep.
+    pub back: Option<&'a Lane>,
+}
+
+impl Kernel for Spin<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Band { bodies, angular, .. } = self.band;
+        for at in (0..LANES).step_by(L::WIDTH) {
+            let (mut mass, mut centre, mut p) = (L::zero(), zero3::<L>(), zero3::<L>());
+            for b in bodies.iter() {
+                let m = inverse(L::load(&b.inv_mass[at..]));
+                mass = mass + m;
+                centre = centre.add(Wide3::load(&b.at, at).add(Wide3::load(&b.dp, at)).scale(m));
+                p = p.add(Wide3::load(&b.v, at).scale(m));
+            }
+            let inv = inverse(mass);
+            let (centre, mean) = (centre.scale(inv), p.scale(inv));
+            let mut l = zero3::<L>();
+            let mut whole = Sym::across(zero3::<L>()).scale(L::zero());
+            for b in bodies.iter() {
+                let m = inverse(L::load(&b.inv_mass[at..]));
+                let r = Wide3::load(&b.at, at).add(Wide3::load(&b.dp, at)).sub(centre);
+                let own = WideQuat::load(&b.dq, at).turn(Sym::load(&b.inertia, at));
+                let moving = r.cross(Wide3::load(&b.v, at).sub(mean)).scale(m);
+                l = l.add(moving).add(own.times(Wide3::load(&b.w, at)));
+                whole = whole.plus(own).plus(Sym::around(r).scale(m));
+            }
+            let Some(back) = self.back else {
+                l.store(angular, at);
+                continue;
+            };
+            let turn = whole.solve(Wide3::load(angular, at).sub(l));
+            let turn = select3(L::load(&back[at..]).gt(L::zero()), turn, zero3());
+            for b in bodies.iter_mut() {
+                let r = Wide3::load(&b.at, at).add(Wide3::load(&b.dp, at)).sub(centre);
+                Wide3::load(&b.v, at).add(turn.cross(r)).store(&mut b.v, at);
+                Wide3::load(&b.w, at).add(turn).store(&mut b.w, at);
+            }
         }
     }
 }

@@ -49,6 +49,8 @@ pub(crate) struct Bodies {
     /// Awake rows.
     pub rows: [u32; LANES],
     pub inv_mass: Lane,
+    /// Centre of mass at the start of the step, from that of the set's first body.
+    pub at: LaneVec,
     /// World inertia and its inverse at the start of the step.
     pub inertia: [Lane; 6],
     pub inverse: [Lane; 6],
@@ -154,6 +156,8 @@ pub(crate) struct Band {
     fresh: bool,
     /// Some body of some set is stiffened.
     any_stiff: bool,
+    /// Angular momentum of each set before places were put right.
+    angular: LaneVec,
     pub any_pull: bool,
     pub any_drive: bool,
     /// Lanes whose bodies [`Pass::Relax`] put elsewhere.
@@ -173,6 +177,7 @@ impl Band {
             live: Z,
             fresh: false,
             any_stiff: false,
+            angular: LaneVec::ZERO,
             any_pull: false,
             any_drive: false,
             placed: [false; LANES],
@@ -189,6 +194,7 @@ impl Default for Bodies {
         Self {
             rows: [NOBODY; LANES],
             inv_mass: Z,
+            at: V,
             inertia: [Z; 6],
             inverse: [Z; 6],
             tensor: [Z; 6],

@@ -1,6 +1,6 @@
 //! The passes of a substep over a band; see [`super::super::set`] for what they are for.
 
-use super::kernels::{Account, Aim, Damp, Gain, Move, Push, Refresh, Stiffen, Take, Try};
+use super::kernels::{Account, Aim, Damp, Gain, Move, Push, Refresh, Spin, Stiffen, Take, Try};
 use super::matrix::Factor;
 use super::{Band, Z};
 use crate::room::contacts::rows::{LANES, Lane};
@@ -183,8 +183,11 @@ impl Band {
             return false;
         }
         self.keep();
+        dispatch(width, Spin { band: self, back: None });
         self.placed = self.place(width, &gone, k);
         self.recall();
+        let back = self.placed.map(|p| f32::from(u8::from(p)));
+        dispatch(width, Spin { band: self, back: Some(&back) });
         self.wake();
         true
     }

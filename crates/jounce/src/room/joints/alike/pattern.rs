@@ -25,7 +25,10 @@ impl Kind {
             JointKind::Fixed => Some(Self::Fixed),
             JointKind::Ball(b) => {
                 let twist = b.twist.is_none_or(|t| {
-                    t.spring.is_none() && !t.holds_still() && t.min.abs() <= HALF_TURN && t.max.abs() <= HALF_TURN
+                    t.spring.is_none()
+                        && !t.holds_still()
+                        && t.min.abs() <= HALF_TURN
+                        && t.max.abs() <= HALF_TURN
                 });
                 let driven = b.motor.as_ref().is_some_and(|m| m.rotation.is_none());
                 let pulled = b.motor.as_ref().is_none_or(|m| m.rotation.is_none() || gentle(&m.spring));
@@ -33,9 +36,7 @@ impl Kind {
                 let known = b.cone_spring.is_none() && twist && pulled && one;
                 known.then_some(Self::Ball { cone: b.cone.is_some(), twist: b.twist.is_some() })
             }
-            JointKind::Hinge(a) => {
-                is_plain(a, gentle).then_some(Self::Hinge { ends: a.limit.is_some() })
-            }
+            JointKind::Hinge(a) => is_plain(a, gentle).then_some(Self::Hinge { ends: a.limit.is_some() }),
             _ => None,
         }
     }
@@ -58,7 +59,8 @@ impl Kind {
 /// One pull, one drive, and ends within half a turn, where the angle is the angle whatever it was before.
 fn is_plain(a: &AxisDesc, gentle: impl Fn(&SpringDesc) -> bool) -> bool {
     let within = |x: f32| x.abs() <= HALF_TURN;
-    let ends = a.limit.is_none_or(|l| l.spring.is_none() && !l.holds_still() && within(l.min) && within(l.max));
+    let ends =
+        a.limit.is_none_or(|l| l.spring.is_none() && !l.holds_still() && within(l.min) && within(l.max));
     let mut pulls = u32::from(a.spring.is_some());
     let mut drives = u32::from(a.friction > 0.0);
     let mut known = a.spring.is_none_or(|(rest, s)| within(rest) && gentle(&s));
@@ -130,7 +132,8 @@ impl Pattern {
                         if body == other {
                             let (at, row) = plan.place(i, k);
                             let meet = Meet { at: at as u32, i: i as u16, k: k as u16, body, i_is_a, k_is_a };
-                            let turned = Meet { i: meet.k, k: meet.i, i_is_a: k_is_a, k_is_a: i_is_a, ..meet };
+                            let turned =
+                                Meet { i: meet.k, k: meet.i, i_is_a: k_is_a, k_is_a: i_is_a, ..meet };
                             meets.push(if row == i { meet } else { turned });
                         }
                     }

@@ -213,6 +213,18 @@ impl<L: Lanes> Sym<L> {
             yz: -(n.y * n.z),
         }
     }
+    /// r² − r rᵀ.
+    #[inline(always)]
+    pub fn around(r: Wide3<L>) -> Self {
+        Self {
+            xx: r.y * r.y + r.z * r.z,
+            yy: r.x * r.x + r.z * r.z,
+            zz: r.x * r.x + r.y * r.y,
+            xy: -(r.x * r.y),
+            xz: -(r.x * r.z),
+            yz: -(r.y * r.z),
+        }
+    }
     #[inline(always)]
     pub fn select(mask: L::Mask, yes: Self, no: Self) -> Self {
         Self {
