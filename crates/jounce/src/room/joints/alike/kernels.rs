@@ -771,7 +771,7 @@ fn bearable<L: Lanes>(
     let one = L::splat(1.0);
     let part = L::select(over.gt(one), one / over.max(one), one);
     // What is not finite is not given.
-    L::select((over - over).eq(L::zero()), part, L::zero())
+    L::select(over.lt(L::splat(f32::INFINITY)), part, L::zero())
 }
 
 /// Velocities as ways: bodies are where they lead. The farthest goes to `way`.
