@@ -1,6 +1,6 @@
 //! Every scene gives the same hash at every step, on 1, 2, 4 and 16 threads and under 50 shuffled schedules.
 //!
-//! `JOUNCE_PROVE=1` takes whole runs of all scenes; without it, the first steps of four. With
+//! `JOUNCE_PROVE=1` takes whole runs of all scenes, with `JOUNCE_ONLY=games,joints` of those folders; without it, the first steps of four. With
 //! `JOUNCE_CHAINS=file` the hashes of all steps, folded into one number for each scene, are written to the file: builds
 //! are compared by their files.
 
@@ -44,6 +44,9 @@ fn scenes() -> Vec<(String, Scene)> {
             ["cards", "drum", "spray", "tower"].iter().any(|n| p.ends_with(format!("{n}.json")))
         });
         assert_eq!(files.len(), 4);
+    } else if let Ok(only) = std::env::var("JOUNCE_ONLY") {
+        files.retain(|(folder, _)| only.split(',').any(|o| folder.ends_with(o)));
+        assert!(!files.is_empty(), "no scenes in {only}");
     }
     let options = LoadOptions { assets: root().join("../shared/assets") };
     let load = |(folder, path): (String, PathBuf)| {

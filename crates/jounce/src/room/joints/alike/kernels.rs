@@ -745,7 +745,7 @@ fn bearable<L: Lanes>(
     at: usize,
     k: &Constants,
 ) -> L {
-    let mut over = L::zero();
+    let (mut over, mut finite) = (L::zero(), L::zero());
     let (speed, spin) = (L::splat(1.0 / k.speed_max), L::splat(1.0 / k.spin_max));
     for body in 0..bodies.len() {
         let (mut dv, mut dw) = (zero3::<L>(), zero3::<L>());
@@ -766,12 +766,14 @@ fn bearable<L: Lanes>(
             }
         }
         let dv = dv.scale(L::load(&bodies[body].inv_mass[at..]));
-        over = over.max(dv.dot(dv).sqrt() * speed).max(dw.dot(dw).sqrt() * spin);
+        let (v2, w2) = (dv.dot(dv), dw.dot(dw));
+        over = over.max(v2.sqrt() * speed).max(w2.sqrt() * spin);
+        finite = finite + (v2 + w2) * L::zero();
     }
     let one = L::splat(1.0);
     let part = L::select(over.gt(one), one / over.max(one), one);
     // What is not finite is not given.
-    L::select(over.lt(L::splat(f32::INFINITY)), part, L::zero())
+    L::select(finite.eq(L::zero()), part, L::zero())
 }
 
 /// Velocities as ways: bodies are where they lead. The farthest goes to `way`.

@@ -8,7 +8,7 @@
 //! Differences, all for speed:
 //!
 //! * f32, so only for sets whose masses are alike, that are free of all that does not move and that close no loop;
-//! * the point is held in world axes: d = p_b − p_a = 0, J = (−1, [r_a + d], 1, −[r_b]), which exchanges angular momentum exactly;
+//! * the point is held in world axes: d = p_b − p_a = 0, J = (−1, (r_a + d)×, 1, −r_b×), which exchanges angular momentum exactly;
 //! * motors of a velocity and friction push once per pass, joint by joint, ahead of the rows that hold, with a 3×3 mass.
 //!
 //! Rows of a joint: the point (3); a hinge's axis (2) or a weld's turns (3); the cone and the nearer end of the twist, as they are
