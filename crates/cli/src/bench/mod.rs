@@ -5,6 +5,7 @@
 
 mod peers;
 mod scenes;
+mod terrain;
 
 use crate::args::BenchArgs;
 use crate::error::{Done, Failure};

@@ -3,11 +3,12 @@
 //! Common: 1/60 s steps, 4 substeps, gravity −10 m/s², friction 0.6, restitution 0, density 1000 kg/m³, sleeping and
 //! continuous collision on, unless the scene says otherwise. "Half" means half extents; metres and kg/m³; y is up.
 
+use super::terrain;
 use crate::error::Failure;
 use jounce::geometry::{Hull, Shape};
 use jounce::math::scalar::f32s::{cos, sin};
 use jounce::math::{DVec3, Quat, Vec3};
-use jounce::{BodyDesc, BodyId, Settings, ShapeDesc, World, WorldDesc};
+use jounce::{BodyDesc, BodyId, Filter, JointDesc, Settings, ShapeDesc, World, WorldDesc};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -27,25 +28,31 @@ pub(crate) struct Scene {
 pub(crate) const SCENES: &[Scene] = &[
     Scene { name: "large_pyramid", steps: 200, build: large_pyramid },
     Scene { name: "many_pyramids", steps: 100, build: many_pyramids },
+    Scene { name: "joint_grid", steps: 100, build: joint_grid },
+    Scene { name: "rain", steps: 400, build: terrain::rain },
     Scene { name: "junkyard", steps: 500, build: junkyard },
     Scene { name: "washer", steps: 1000, build: washer },
     Scene { name: "convex_pile", steps: 500, build: convex_pile },
+    Scene { name: "trees100", steps: 500, build: terrain::trees100 },
+    Scene { name: "trees50", steps: 500, build: terrain::trees50 },
+    Scene { name: "trees25", steps: 500, build: terrain::trees25 },
     Scene { name: "large_world", steps: 500, build: large_world },
     Scene { name: "jolt_pyramid", steps: 500, build: jolt_pyramid },
+    Scene { name: "convex_vs_mesh", steps: 500, build: terrain::convex_vs_mesh },
     Scene { name: "heavy_on_light", steps: 600, build: heavy_on_light },
 ];
 
-fn world(gravity_y: f32, sleep: bool) -> Result<World, Failure> {
+pub(super) fn world(gravity_y: f32, sleep: bool) -> Result<World, Failure> {
     let settings = Settings { sleep, ..Settings::default() };
     let gravity = Vec3::new(0.0, gravity_y, 0.0);
     Ok(World::new(WorldDesc { gravity, rate_hz: 60.0, substeps: 4, settings })?)
 }
 
-fn nothing() -> Before {
+pub(super) fn nothing() -> Before {
     Box::new(|_, _| Ok(()))
 }
 
-fn at(x: f32, y: f32, z: f32) -> DVec3 {
+pub(super) fn at(x: f32, y: f32, z: f32) -> DVec3 {
     Vec3::new(x, y, z).as_dvec3()
 }
 
@@ -96,7 +103,33 @@ fn many_pyramids() -> Built {
     Ok((world, nothing()))
 }
 
-fn hull(points: &[Vec3]) -> Result<ShapeDesc, Failure> {
+/// A net of spheres that hangs from its upper edge and never collides.
+fn joint_grid() -> Built {
+    const SIDE: usize = 100;
+    let mut world = world(-10.0, false)?;
+    let ghost = Filter { layers: 2, mask: !2, group: 0 };
+    let mut bodies = Vec::with_capacity(SIDE * SIDE);
+    for k in 0..SIDE {
+        for i in 0..SIDE {
+            let body = if i == 0 { BodyDesc::fixed() } else { BodyDesc::dynamic() };
+            let shape = ShapeDesc::sphere(0.4).filter(ghost);
+            let body = world.add_body(body.at(at(k as f32, -(i as f32), 0.0)).shape(shape))?;
+            if i > 0 {
+                let above = bodies[bodies.len() - 1];
+                world.add_joint(JointDesc::ball(above, body, at(k as f32, 0.5 - i as f32, 0.0)))?;
+            }
+            // Two fixed ones need nothing between them, and are refused.
+            if k > 0 && i > 0 {
+                let before = bodies[bodies.len() - SIDE];
+                world.add_joint(JointDesc::ball(before, body, at(k as f32 - 0.5, -(i as f32), 0.0)))?;
+            }
+            bodies.push(body);
+        }
+    }
+    Ok((world, nothing()))
+}
+
+pub(super) fn hull(points: &[Vec3]) -> Result<ShapeDesc, Failure> {
     let hull = Hull::new(points).map_err(|e| Failure::bad(e.to_string()))?;
     Ok(ShapeDesc::new(Shape::Hull(Arc::new(hull))))
 }
