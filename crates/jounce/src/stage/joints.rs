@@ -1,11 +1,12 @@
 //! Joints in the step: gathers those that are awake into sets, and hands the sets out.
 
-use super::{Step, alike};
+use super::{Step, alike, nets};
 use crate::room::contacts::prepare::Softness;
 use crate::room::joints::alike::Band;
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::direct::root;
 use crate::room::joints::local::Local;
+use crate::room::joints::net::{Rows, Type};
 use crate::room::joints::set::{Constants, Gear, JointSet};
 use crate::room::joints::solve::Solve;
 use crate::room::rigid::desc::BodyKind;
@@ -20,11 +21,13 @@ pub(crate) struct JointScratch {
     pub sets: Vec<JointSet>,
     /// Those of them that are solved side by side.
     pub bands: Vec<Band>,
+    /// Joints of those that are solved as nets, by type.
+    pub nets: [Rows; 3],
     ids: Vec<u32>,
     /// Who was gathered, and which ends moved, when the sets were made.
     made_of: Vec<u64>,
     version: u64,
-    broke: Vec<(u32, f32, f32)>,
+    pub(super) broke: Vec<(u32, f32, f32)>,
     wakes: Vec<u32>,
 }
 
@@ -38,6 +41,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     if s.ids.is_empty() {
         s.sets.clear();
         s.bands.clear();
+        s.nets.iter_mut().for_each(|r| r.ids.clear());
         s.made_of.clear();
         world.scratch.joints = s;
         return;
@@ -60,7 +64,22 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     let shared: &World = world;
     shared.tasks.for_each(&mut s.sets, 1, |_, set| begin(shared, set, !same));
     alike::prepare(shared, &mut s.sets, &mut s.bands, step);
+    choose_nets(shared, &mut s, step);
+    nets::prepare(shared, &mut s, step);
     world.scratch.joints = s;
+}
+
+/// Which sets are solved as nets, and the joints of those, by type.
+fn choose_nets(world: &World, s: &mut JointScratch, step: &Step) {
+    s.nets.iter_mut().for_each(|r| r.ids.clear());
+    for set in &mut s.sets {
+        set.net = nets::fits(world, set, step.constants.h);
+        for joint in set.joints.iter().filter(|_| set.net) {
+            if let Some(kind) = Type::of(&world.joints.table[joint.id].desc, step.constants.h) {
+                s.nets[kind as usize].ids.push(joint.id);
+            }
+        }
+    }
 }
 
 /// Joints with an awake body, in slot order.
@@ -187,7 +206,7 @@ fn begin(world: &World, set: &mut JointSet, new: bool) {
     }
 }
 
-fn constants(world: &World, step: &Step) -> Constants {
+pub(super) fn constants(world: &World, step: &Step) -> Constants {
     let (s, k) = (&world.settings, &step.constants);
     let hertz = f32s::min(s.joint_hertz, 0.25 * k.inv_h);
     Constants {
@@ -204,6 +223,7 @@ fn constants(world: &World, step: &Step) -> Constants {
 /// Before the positions move.
 pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
     let k = constants(world, step);
+    nets::solve(world, step);
     alike::solve(world, &k, substep);
     pass(world, |world, set| {
         set.bodies.iter_mut().for_each(|b| load(world, b));
@@ -216,6 +236,7 @@ pub(crate) fn solve(world: &mut World, step: &Step, substep: u32) {
 /// the others. The matrix is that of before.
 pub(crate) fn answer(world: &mut World, step: &Step) {
     let k = constants(world, step);
+    nets::answer(world, step);
     alike::answer(world, &k);
     pass(world, |world, set| {
         let same = |b: &Local| {
@@ -233,6 +254,7 @@ pub(crate) fn answer(world: &mut World, step: &Step) {
 /// After they moved.
 pub(crate) fn relax(world: &mut World, step: &Step) {
     let k = constants(world, step);
+    nets::relax(world, step);
     alike::relax(world, &k);
     pass(world, |world, set| {
         set.bodies.iter_mut().for_each(|b| load(world, b));
@@ -248,7 +270,7 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
     let mut sets = core::mem::take(&mut world.scratch.joints.sets);
     let shared: &World = world;
     shared.tasks.for_each(&mut sets, 1, |_, set| {
-        if set.links.is_empty() {
+        if set.is_alone() {
             f(shared, set);
         }
     });
@@ -302,7 +324,8 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.joints);
     s.broke.clear();
     alike::finish(world, &s.sets, &s.bands, step.dt, &mut s.broke);
-    for set in s.sets.iter().filter(|s| s.links.is_empty()) {
+    nets::finish(world, &mut s, step);
+    for set in s.sets.iter().filter(|s| s.is_alone()) {
         for g in &set.gears {
             world.joints.table[g.id].hard[0] = g.impulse;
         }

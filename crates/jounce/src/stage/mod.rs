@@ -11,6 +11,7 @@ pub(crate) mod guard;
 pub(crate) mod islands;
 pub(crate) mod joints;
 pub(crate) mod narrowphase;
+mod nets;
 pub(crate) mod particles;
 pub(crate) mod prepare;
 pub(crate) mod publish;

@@ -3,8 +3,7 @@
 //! A joint has rows. Some hold: J u = 0 on the velocities, C = 0 on the positions ([`rows`] has the elementary ones, a file for each
 //! kind says which it takes). Others end, drive, spring or rub one axis ([`extra`]). Joints that hang together form a set and are
 //! solved as one ([`set`]): directly where they are trees, chains or have few loops ([`direct`]), side by side in lanes where many are alike
-//! ([`alike`]), row by row otherwise. Nothing is
-//! tuned to the mass of the load: a chain of 20 g links holds tons.
+//! ([`alike`]), row by row otherwise, in lanes where the kernels know the kinds ([`net`]). Nothing is tuned to the mass of the load: a chain of 20 g links holds tons.
 //!
 //! Symbols: p anchor, r lever from the centre of mass, d = p_b − p_a, x, y, z axes of A's joint frame, u = (v_a, ω_a, v_b, ω_b), λ
 //! impulse, C error, h substep.
@@ -23,7 +22,10 @@ pub(crate) mod fixed;
 pub(crate) mod generic;
 pub mod glue;
 pub(crate) mod hinge;
+pub(crate) mod lanes;
 pub(crate) mod local;
+pub(crate) mod net;
+pub(crate) mod parts;
 pub(crate) mod path;
 pub(crate) mod place;
 pub(crate) mod pulley;

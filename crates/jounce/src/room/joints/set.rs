@@ -81,9 +81,15 @@ pub(crate) struct JointSet {
     pub(super) kept: Kept,
     /// Its joints where it is solved in a band of sets alike, else none.
     pub links: Vec<Link>,
+    /// It is solved as a net, in lanes.
+    pub net: bool,
 }
 
 impl JointSet {
+    /// Is it solved here?
+    pub fn is_alone(&self) -> bool {
+        self.links.is_empty() && !self.net
+    }
     /// After joints and bodies are in place: who meets whom, and whether that is solved directly.
     pub fn arrange(&mut self, joints: &Joints) {
         let size = |s: &Solve| {

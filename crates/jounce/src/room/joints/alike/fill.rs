@@ -2,103 +2,13 @@
 
 use super::pattern::Kind;
 use super::{Band, JointLanes, NOBODY, Z};
-use crate::room::contacts::rows::{LANES, Lane};
-use crate::room::joints::desc::{AxisDesc, BallDesc, JointKind, LimitDesc, MotorTarget, SpringDesc};
+use crate::room::contacts::rows::LANES;
 use crate::room::joints::extra::gains;
+use crate::room::joints::parts::{Parts, set_quat};
 use crate::room::joints::rows::Start;
 use crate::room::joints::state::Joint;
 use crate::room::rigid::state::InvInertia;
 use jounce_math::{Mat3, Quat, Vec3};
-
-/// A spring towards a rotation: everything in A's axes.
-struct Pull {
-    spring: SpringDesc,
-    rest: Quat,
-    speed: Vec3,
-    max: f32,
-}
-
-/// A speed held with bounded torque.
-struct Drive {
-    speed: Vec3,
-    max: f32,
-}
-
-/// What the rows of a joint are beside those that hold. The numbers are places in its record's list of impulses, which is the list of
-/// [`crate::room::joints::extra::Extras`].
-#[derive(Default)]
-struct Extras {
-    cone: Option<(usize, f32)>,
-    twist: Option<(usize, LimitDesc)>,
-    pull: Option<Pull>,
-    drive: Option<(usize, Drive)>,
-    count: usize,
-}
-
-impl Extras {
-    fn of(kind: &JointKind) -> Self {
-        match kind {
-            JointKind::Ball(b) => Self::of_ball(b),
-            JointKind::Hinge(a) => Self::of_axis(a),
-            _ => Self::default(),
-        }
-    }
-
-    fn next(&mut self, n: usize) -> usize {
-        self.count += n;
-        self.count - n
-    }
-
-    fn of_ball(b: &BallDesc) -> Self {
-        let mut e = Self::default();
-        e.cone = b.cone.map(|c| (e.next(1), c));
-        e.twist = b.twist.map(|t| (e.next(1), t));
-        if let Some(m) = &b.motor {
-            let at = e.next(3);
-            match m.rotation {
-                Some(q) => {
-                    let (rest, speed) = (q.normalize(), m.velocity);
-                    e.pull = Some(Pull { spring: m.spring, rest, speed, max: m.max_torque });
-                }
-                None => e.drive = Some((at, Drive { speed: m.velocity, max: m.max_torque })),
-            }
-        }
-        if b.friction > 0.0 {
-            e.drive = Some((e.next(3), Drive { speed: Vec3::ZERO, max: b.friction }));
-        }
-        e
-    }
-
-    fn of_axis(a: &AxisDesc) -> Self {
-        let about = |angle: f32| Quat::from_axis_angle(Vec3::X, angle);
-        let mut e = Self::default();
-        if let Some((rest, spring)) = a.spring {
-            e.next(1);
-            e.pull = Some(Pull { spring, rest: about(rest), speed: Vec3::ZERO, max: f32::INFINITY });
-        }
-        e.twist = a.limit.map(|t| (e.next(1), t));
-        if let Some(m) = a.motor {
-            let at = e.next(1);
-            match m.target {
-                MotorTarget::Velocity(v) => {
-                    e.drive = Some((at, Drive { speed: Vec3::X * v, max: m.max_force }));
-                }
-                MotorTarget::Position { position, velocity, spring } => {
-                    let (rest, speed) = (about(position), Vec3::X * velocity);
-                    e.pull = Some(Pull { spring, rest, speed, max: m.max_force });
-                }
-            }
-        }
-        if a.friction > 0.0 {
-            e.drive = Some((e.next(1), Drive { speed: Vec3::ZERO, max: a.friction }));
-        }
-        e
-    }
-}
-
-fn set_quat(to: &mut [Lane; 4], l: usize, q: Quat) {
-    (to[0][l], to[1][l], to[2][l], to[3][l]) = (q.x, q.y, q.z, q.w);
-}
 
 /// A body as a lane takes it.
 pub(crate) struct Side {
@@ -166,7 +76,7 @@ impl JointLanes {
         self.offset.set(l, start.offset);
         set_quat(&mut self.qa, l, start.qa.normalize());
         set_quat(&mut self.qb, l, start.qb.normalize());
-        let e = Extras::of(&j.desc.kind);
+        let e = Parts::of(&j.desc.kind);
         let extra = |i: usize| j.extra.get(i).copied().unwrap_or(0.0);
         for row in &mut self.rows {
             row.lambda[l] = 0.0;
@@ -223,7 +133,7 @@ impl JointLanes {
         // The set's rows are along A's axes.
         let p = qa.inverse_rotate(Vec3::new(lambda(0), lambda(1), lambda(2)));
         j.hard = [p.x, p.y, p.z, 0.0, 0.0, 0.0];
-        let e = Extras::of(&j.desc.kind);
+        let e = Parts::of(&j.desc.kind);
         j.extra.clear();
         j.extra.resize(e.count, 0.0);
         let [cone, twist] = end_rows(kind);

@@ -1,9 +1,11 @@
 //! The kernels of a pass, but for the matrix.
 
 use super::pattern::Kind;
-use super::wide::{Sym, WideQuat, bounded, clamped, inverse, select3, turned, twice_atan, zero3};
 use super::{Band, Bodies, JointLanes, NOBODY, Pass, Row};
 use crate::room::contacts::rows::{LANES, Lane, LaneVec, Wide3};
+use crate::room::joints::lanes::{
+    Sym, WideQuat, bounded, clamped, inverse, select3, turned, twice_atan, zero3,
+};
 use crate::room::joints::set::Constants;
 use crate::room::joints::solve::TOUCH;
 use crate::room::rigid::state::BodyState;

@@ -4,9 +4,9 @@
 //! they meet changes by A_ij −= W_i X_jᵀ. In place: below the diagonal L and W, on it D⁻¹. A pivot that vanishes gives D⁻¹ = 0: the
 //! row takes no impulse.
 
-use super::wide::inverse;
 use super::{Band, ROWS};
 use crate::room::contacts::rows::{LANES, Lane};
+use crate::room::joints::lanes::inverse;
 use jounce_lanes::{Kernel, Lanes};
 
 /// A pivot below this part of its diagonal belongs to a row that others make superfluous.

@@ -26,7 +26,6 @@ mod kernels;
 mod matrix;
 mod passes;
 mod pattern;
-mod wide;
 
 pub(crate) use fill::Side;
 use passes::Pass;

@@ -14,7 +14,11 @@ pub(crate) enum Kind {
 impl Kind {
     /// The kind of a joint all of whose parts the kernels know; `h`: the substep, s.
     pub fn of(d: &JointDesc, h: f32) -> Option<Self> {
-        if d.softness.is_some() || d.solver != JointSolver::Auto {
+        if d.solver == JointSolver::Auto { Self::known(d, h) } else { None }
+    }
+    /// The same whatever solver is asked for.
+    pub fn known(d: &JointDesc, h: f32) -> Option<Self> {
+        if d.softness.is_some() {
             return None;
         }
         let gentle = |s: &SpringDesc| match *s {

@@ -5,7 +5,7 @@ use jounce_lanes::Lanes;
 
 /// A rotation per lane.
 #[derive(Clone, Copy)]
-pub(super) struct WideQuat<L> {
+pub(crate) struct WideQuat<L> {
     pub v: Wide3<L>,
     pub w: L,
 }
@@ -103,7 +103,7 @@ impl<L: Lanes> WideQuat<L> {
 
 /// The turn by a rotation vector, rational as the integrator has it; more than 1.2 rad are cut off.
 #[inline(always)]
-pub(super) fn turned<L: Lanes>(r: Wide3<L>, q: WideQuat<L>) -> WideQuat<L> {
+pub(crate) fn turned<L: Lanes>(r: Wide3<L>, q: WideQuat<L>) -> WideQuat<L> {
     let x2 = (r.dot(r) * L::splat(0.25)).min(L::splat(0.36));
     let f = L::splat(0.5) * (L::splat(15.0) - x2) / (L::splat(15.0) - L::splat(6.0) * x2);
     WideQuat { v: r.scale(f), w: L::splat(1.0) }.normalized().times(q)
@@ -121,7 +121,7 @@ fn atan_over<L: Lanes>(t2: L) -> L {
 
 /// 2 atan(y / x) for y ≥ 0, x ≥ 0, not both 0.
 #[inline(always)]
-pub(super) fn twice_atan<L: Lanes>(y: L, x: L) -> L {
+pub(crate) fn twice_atan<L: Lanes>(y: L, x: L) -> L {
     let steep = y.gt(x);
     let (low, high) = (y.min(x), y.max(x));
     let t = low / L::select(high.gt(L::zero()), high, L::splat(1.0));
@@ -142,7 +142,7 @@ const ATAN: [f32; 8] = [
 
 /// A symmetric matrix per lane.
 #[derive(Clone, Copy)]
-pub(super) struct Sym<L> {
+pub(crate) struct Sym<L> {
     pub xx: L,
     pub yy: L,
     pub zz: L,
@@ -184,6 +184,30 @@ impl<L: Lanes> Sym<L> {
             self.xy * v.x + self.yy * v.y + self.yz * v.z,
             self.xz * v.x + self.yz * v.y + self.zz * v.z,
         )
+    }
+    /// [r] T [r]ᵀ: how a point at the lever r gives way where turns do by T.
+    #[inline(always)]
+    pub fn moved_to(self, r: Wide3<L>) -> Self {
+        // Rows of [r]: (0, −z, y), (z, 0, −x), (−y, x, 0); T times each of them.
+        let tx = Wide3::new(
+            self.xz * r.y - self.xy * r.z,
+            self.yz * r.y - self.yy * r.z,
+            self.zz * r.y - self.yz * r.z,
+        );
+        let ty = Wide3::new(
+            self.xx * r.z - self.xz * r.x,
+            self.xy * r.z - self.yz * r.x,
+            self.xz * r.z - self.zz * r.x,
+        );
+        let (zx, zy) = (self.xy * r.x - self.xx * r.y, self.yy * r.x - self.xy * r.y);
+        Self {
+            xx: tx.z * r.y - tx.y * r.z,
+            yy: ty.x * r.z - ty.z * r.x,
+            zz: zy * r.x - zx * r.y,
+            xy: tx.x * r.z - tx.z * r.x,
+            xz: tx.y * r.x - tx.x * r.y,
+            yz: ty.y * r.x - ty.x * r.y,
+        }
     }
     #[inline(always)]
     pub fn scale(self, k: L) -> Self {
@@ -257,27 +281,27 @@ impl<L: Lanes> Sym<L> {
 
 /// 1/x, or 0 where x is not positive.
 #[inline(always)]
-pub(super) fn inverse<L: Lanes>(x: L) -> L {
+pub(crate) fn inverse<L: Lanes>(x: L) -> L {
     let ok = x.gt(L::zero());
     L::select(ok, L::splat(1.0) / L::select(ok, x, L::splat(1.0)), L::zero())
 }
 
 #[inline(always)]
-pub(super) fn clamped<L: Lanes>(x: L, most: L) -> L {
+pub(crate) fn clamped<L: Lanes>(x: L, most: L) -> L {
     x.max(-most).min(most)
 }
 
 #[inline(always)]
-pub(super) fn bounded<L: Lanes>(v: Wide3<L>, most: L) -> Wide3<L> {
+pub(crate) fn bounded<L: Lanes>(v: Wide3<L>, most: L) -> Wide3<L> {
     Wide3::new(clamped(v.x, most), clamped(v.y, most), clamped(v.z, most))
 }
 
 #[inline(always)]
-pub(super) fn select3<L: Lanes>(mask: L::Mask, yes: Wide3<L>, no: Wide3<L>) -> Wide3<L> {
+pub(crate) fn select3<L: Lanes>(mask: L::Mask, yes: Wide3<L>, no: Wide3<L>) -> Wide3<L> {
     Wide3::new(L::select(mask, yes.x, no.x), L::select(mask, yes.y, no.y), L::select(mask, yes.z, no.z))
 }
 
 #[inline(always)]
-pub(super) fn zero3<L: Lanes>() -> Wide3<L> {
+pub(crate) fn zero3<L: Lanes>() -> Wide3<L> {
     Wide3::new(L::zero(), L::zero(), L::zero())
 }

@@ -1,0 +1,136 @@
+//! Dense nets of joints, row by row, in lanes.
+//!
+//! What has more loops than a direct solve bears (flags of chain mail, grids, walls laid in mortar), and what asks for it, gets what contacts
+//! get: soft rows (`Settings::joint_hertz`, `joint_damping_ratio`), impulses of the last substep to start from, two biased passes and a
+//! relaxing one a substep, in colours of joints that share no moving body.
+//!
+//! Three types, each with a kernel and blocks of its own:
+//!
+//! * ball: d = p_b − p_a = 0; J = (−1, [r_a], 1, −[r_b]), a 3×3 block; cone and twist as ends; motor and friction about A's axes;
+//! * hinge: the same, and x_b stays across y_a and z_a, a 2×2 block, j = x_b × n; ends, motor, spring and friction about x;
+//! * fixed: the same, and no turn, C = 2 v of q_b q_a⁻¹ = (v, w) as a 3×3 block about the world's axes.
+//!
+//! Ends without transcendentals. The cone: C = (x_a·x_b − cos γ)/sin θ, j = x_b × x_a/sin θ, which is γ − θ to first order. The twist: with
+//! q_a⁻¹ q_b = (x, …, w) and n = √(x² + w²), C = 2 (x cos ½l − w sin ½l)/n = 2 sin ½(φ − l).
+//!
+//! Springs are those of [`super::extra`]: λ = −M (a C + b (ω − ω₀)) once per substep, M the inverse of I_a⁻¹ + I_b⁻¹, C the rotation
+//! vector that is left, 4 atan t · v/|v| with t = |v|/(1 + w).
+//!
+//! Sources: Catto, Soft constraints, GDC 2011; Solver2D 2024 (soft step, relax); blocks and masks as contacts have them.
+
+pub(crate) mod fill;
+pub(crate) mod solve;
+
+use super::alike::Kind;
+use super::desc::JointDesc;
+use crate::room::contacts::rows::{LANES, Lane, LaneVec};
+use jounce_tasks::ColorSets;
+
+/// What a block is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Type {
+    Ball,
+    Hinge,
+    Fixed,
+}
+
+impl Type {
+    pub const ALL: [Self; 3] = [Self::Ball, Self::Hinge, Self::Fixed];
+
+    /// The type of a joint all of whose parts the kernels know; `h`: the substep, s.
+    pub fn of(d: &JointDesc, h: f32) -> Option<Self> {
+        Some(match Kind::known(d, h)? {
+            Kind::Ball { .. } => Self::Ball,
+            Kind::Hinge { .. } => Self::Hinge,
+            Kind::Fixed => Self::Fixed,
+        })
+    }
+}
+
+/// [`LANES`] joints of one type and colour, each field an array over them. Lanes without a joint are zero and change nothing.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Block {
+    /// As the step began, world axes: levers, A to B, joint frames.
+    pub ra: LaneVec,
+    pub rb: LaneVec,
+    pub offset: LaneVec,
+    pub qa: [Lane; 4],
+    pub qb: [Lane; 4],
+    pub inv_mass: [Lane; 2],
+    pub inertia: [[Lane; 6]; 2],
+    /// Impulses of this substep, world axes; of a hinge's turns, about y and z of A.
+    pub point: LaneVec,
+    pub turn: LaneVec,
+    /// cos γ of the cone, 2 for none; cosine and sine of half of both ends of the twist.
+    pub cone: Lane,
+    pub ends: [[Lane; 2]; 2],
+    pub end_impulse: [Lane; 3],
+    /// Spring: gains, strength (impulse), wanted rotation and velocity (A's axes), impulse (world axes).
+    pub pull: [Lane; 3],
+    pub rest: [Lane; 4],
+    pub pull_speed: LaneVec,
+    pub pull_impulse: LaneVec,
+    /// Motor of a velocity, or friction: strength (impulse) and speed, impulse, A's axes.
+    pub drive: Lane,
+    pub drive_speed: LaneVec,
+    pub drive_impulse: LaneVec,
+    /// Σ over the step on B; sizes in the last substep; bounds of force and torque; 1 where they were passed twice.
+    pub force: LaneVec,
+    pub torque: LaneVec,
+    pub last: [Lane; 2],
+    pub bound: [Lane; 2],
+    pub broke: Lane,
+    pub any_ends: bool,
+    pub any_pull: bool,
+    pub any_drive: bool,
+}
+
+impl Default for Block {
+    fn default() -> Self {
+        const Z: Lane = [0.0; LANES];
+        Self {
+            ra: LaneVec::ZERO,
+            rb: LaneVec::ZERO,
+            offset: LaneVec::ZERO,
+            qa: [Z, Z, Z, [1.0; LANES]],
+            qb: [Z, Z, Z, [1.0; LANES]],
+            inv_mass: [Z; 2],
+            inertia: [[Z; 6]; 2],
+            point: LaneVec::ZERO,
+            turn: LaneVec::ZERO,
+            cone: [NO_CONE; LANES],
+            ends: [[Z; 2]; 2],
+            end_impulse: [Z; 3],
+            pull: [Z; 3],
+            rest: [Z, Z, Z, [1.0; LANES]],
+            pull_speed: LaneVec::ZERO,
+            pull_impulse: LaneVec::ZERO,
+            drive: Z,
+            drive_speed: LaneVec::ZERO,
+            drive_impulse: LaneVec::ZERO,
+            force: LaneVec::ZERO,
+            torque: LaneVec::ZERO,
+            last: [Z; 2],
+            bound: [[f32::INFINITY; LANES]; 2],
+            broke: Z,
+            any_ends: false,
+            any_pull: false,
+            any_drive: false,
+        }
+    }
+}
+
+/// Stands for the cosine of a cone that is not there.
+pub(crate) const NO_CONE: f32 = -2.0;
+
+/// All joints of one type.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Rows {
+    pub ids: Vec<u32>,
+    /// Items of each joint, as the colours have them.
+    pub items: Vec<[u32; 2]>,
+    pub colors: ColorSets,
+    /// By colour, the overflow last.
+    pub blocks: Vec<Vec<Block>>,
+}

@@ -1,0 +1,485 @@
+//! The passes over blocks; equations and symbols are in the text of [`super`].
+//!
+//! Written once over [`Lanes`]: one lane is the scalar reference, and every width gives its bits.
+
+use super::{Block, Type};
+use crate::room::contacts::prepare::Softness;
+use crate::room::contacts::rows::{LANES, Wide3};
+use crate::room::joints::lanes::{Sym, WideQuat, bounded, inverse};
+use crate::room::rigid::state::BodyState;
+use core::ops::Range;
+use jounce_lanes::{Kernel, Lanes, Width, dispatch};
+use jounce_tasks::Scatter;
+
+/// Which pass of the substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    /// Applies the impulses of the last substep.
+    Warm,
+    /// With errors, springs and motors.
+    Solve,
+    /// The same without springs, which push once.
+    Answer,
+    /// Speeds alone; sums what the substep came to.
+    Relax,
+}
+
+/// Numbers of a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constants {
+    pub h: f32,
+    pub warm: f32,
+    pub soft: Softness,
+    /// Fastest way out of an end, rad/s.
+    pub push_out: f32,
+    /// Largest error of a point that is taken back at once, m.
+    pub correct: f32,
+}
+
+/// One pass over one block.
+pub(crate) struct Sweep<'a, 'b> {
+    pub pass: Pass,
+    pub kind: Type,
+    pub access: &'a mut Scatter<'b, BodyState>,
+    pub rows: Range<usize>,
+    pub block: &'a mut Block,
+    /// Lane of the first row.
+    pub lane: usize,
+    pub constants: &'a Constants,
+}
+
+/// One pass over one block, in lanes of a width.
+#[inline(never)]
+pub(crate) fn run(width: Width, sweep: Sweep<'_, '_>) {
+    dispatch(width, sweep);
+}
+
+impl Kernel for Sweep<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { pass, kind, access, rows, block, lane, constants } = self;
+        let mut done = 0;
+        while done < rows.len().min(LANES) {
+            let g = Gather { first: rows.start + done, end: rows.end };
+            let at = lane + done;
+            let mut u = Pair::<L>::load(block, at, access, g);
+            match pass {
+                Pass::Warm => u.warm(block, at, kind, constants),
+                Pass::Solve => u.solve(block, at, kind, constants, true),
+                Pass::Answer => u.solve(block, at, kind, constants, false),
+                Pass::Relax => u.relax(block, at, kind, constants),
+            }
+            u.store(access, g);
+            done += L::WIDTH;
+        }
+    }
+}
+
+/// Rows `first..` of the colour, one per lane; lanes past `end` read a body at rest and write nothing.
+#[derive(Clone, Copy)]
+struct Gather {
+    first: usize,
+    end: usize,
+}
+
+/// Velocities of the two bodies of a joint, and where they are.
+#[derive(Clone, Copy)]
+struct Pair<L> {
+    va: Wide3<L>,
+    wa: Wide3<L>,
+    vb: Wide3<L>,
+    wb: Wide3<L>,
+    pa: Wide3<L>,
+    pb: Wide3<L>,
+    ma: L,
+    mb: L,
+    ta: Sym<L>,
+    tb: Sym<L>,
+    ra: Wide3<L>,
+    rb: Wide3<L>,
+    /// Joint frames.
+    qa: WideQuat<L>,
+    qb: WideQuat<L>,
+}
+
+/// A turn's direction, its error and how its rows are counted.
+#[derive(Clone, Copy)]
+struct End<L> {
+    j: Wide3<L>,
+    gap: L,
+    mass: L,
+}
+
+impl<L: Lanes> Pair<L> {
+    #[inline(always)]
+    fn load(block: &Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather) -> Self {
+        let a = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.a(g.first + i).hot } else { &BodyState::FIXED.hot },
+        );
+        let b = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
+        );
+        let x = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
+        );
+        let y = L::gather8(
+            #[inline(always)]
+            |i| if g.first + i < g.end { &access.b(g.first + i).motion } else { &BodyState::FIXED.motion },
+        );
+        let da = WideQuat { v: Wide3::new(x[4], x[5], x[6]), w: x[7] };
+        let db = WideQuat { v: Wide3::new(y[4], y[5], y[6]), w: y[7] };
+        Self {
+            va: Wide3::new(a[0], a[1], a[2]),
+            wa: Wide3::new(a[3], a[4], a[5]),
+            vb: Wide3::new(b[0], b[1], b[2]),
+            wb: Wide3::new(b[3], b[4], b[5]),
+            pa: Wide3::new(a[6], a[7], x[0]),
+            pb: Wide3::new(b[6], b[7], y[0]),
+            ma: L::load(&block.inv_mass[0][at..]),
+            mb: L::load(&block.inv_mass[1][at..]),
+            ta: Sym::load(&block.inertia[0], at),
+            tb: Sym::load(&block.inertia[1], at),
+            ra: da.rotate(Wide3::load(&block.ra, at)),
+            rb: db.rotate(Wide3::load(&block.rb, at)),
+            qa: da.times(WideQuat::load(&block.qa, at)),
+            qb: db.times(WideQuat::load(&block.qb, at)),
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
+        let (v, w, p) = (self.va, self.wa, self.pa);
+        L::scatter8(
+            [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
+            #[inline(always)]
+            |i, hot| {
+                if g.first + i < g.end {
+                    let motion = access.a(g.first + i).motion;
+                    access.store_a(g.first + i, BodyState { hot, motion });
+                }
+            },
+        );
+        let (v, w, p) = (self.vb, self.wb, self.pb);
+        L::scatter8(
+            [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
+            #[inline(always)]
+            |i, hot| {
+                if g.first + i < g.end {
+                    let motion = access.b(g.first + i).motion;
+                    access.store_b(g.first + i, BodyState { hot, motion });
+                }
+            },
+        );
+    }
+
+    /// An impulse at the point, on B.
+    #[inline(always)]
+    fn push(&mut self, p: Wide3<L>) {
+        self.va = self.va.sub(p.scale(self.ma));
+        self.wa = self.wa.sub(self.ta.times(self.ra.cross(p)));
+        self.vb = self.vb.add(p.scale(self.mb));
+        self.wb = self.wb.add(self.tb.times(self.rb.cross(p)));
+    }
+    /// A moment on B.
+    #[inline(always)]
+    fn turn(&mut self, l: Wide3<L>) {
+        self.wa = self.wa.sub(self.ta.times(l));
+        self.wb = self.wb.add(self.tb.times(l));
+    }
+    /// Speed of the anchors against each other.
+    #[inline(always)]
+    fn slip(&self) -> Wide3<L> {
+        self.vb.add(self.wb.cross(self.rb)).sub(self.va.add(self.wa.cross(self.ra)))
+    }
+    #[inline(always)]
+    fn spin(&self) -> Wide3<L> {
+        self.wb.sub(self.wa)
+    }
+    #[inline(always)]
+    fn relative(&self) -> WideQuat<L> {
+        self.qa.conjugate().times(self.qb).shorter()
+    }
+
+    /// x_b stays across y_a and z_a: directions.
+    #[inline(always)]
+    fn hinge_axes(&self) -> [Wide3<L>; 2] {
+        let x = self.qb.x();
+        [x.cross(self.qa.y()), x.cross(self.qa.z())]
+    }
+
+    /// Direction of the twist.
+    #[inline(always)]
+    fn twist(&self) -> Wide3<L> {
+        let (xa, xb) = (self.qa.x(), self.qb.x());
+        let s = L::splat(1.0) + xa.dot(xb);
+        let ok = s.gt(L::splat(1e-2));
+        let inv = L::splat(1.0) / L::select(ok, s, L::splat(1.0));
+        let sum = xa.add(xb).scale(inv);
+        Wide3::new(L::select(ok, sum.x, xa.x), L::select(ok, sum.y, xa.y), L::select(ok, sum.z, xa.z))
+    }
+
+    /// Cone, and both ends of the twist; `kind` hinge has no cone.
+    #[inline(always)]
+    fn ends(&self, block: &Block, at: usize, kind: Type) -> [End<L>; 3] {
+        let t = self.ta.plus(self.tb);
+        let zero = L::zero();
+        let none = End { j: Wide3::new(zero, zero, zero), gap: zero, mass: zero };
+        let mut out = [none; 3];
+        if kind == Type::Ball {
+            let (xa, xb) = (self.qa.x(), self.qb.x());
+            let (across, cos) = (xb.cross(xa), xa.dot(xb));
+            let sin = across.dot(across).sqrt();
+            let limit = L::load(&block.cone[at..]);
+            let ok = sin.gt(L::splat(1e-5)) & limit.gt(L::splat(-1.5));
+            let inv = L::select(ok, L::splat(1.0) / L::select(ok, sin, L::splat(1.0)), zero);
+            let j = across.scale(inv);
+            out[0] = End { j, gap: (cos - limit) * inv, mass: inverse(j.dot(t.times(j))) };
+        }
+        let q = self.relative();
+        let n2 = q.v.x * q.v.x + q.w * q.w;
+        let inv = inverse(n2.sqrt());
+        let j = self.twist();
+        let mass = inverse(j.dot(t.times(j)));
+        for (i, end) in block.ends.iter().enumerate() {
+            let [c, s] = [L::load(&end[0][at..]), L::load(&end[1][at..])];
+            let sign = L::splat(if i == 0 { 1.0 } else { -1.0 });
+            let there = (c * c + s * s).gt(L::splat(0.5)) & n2.gt(L::splat(1e-8));
+            let gap = sign * L::splat(2.0) * (q.v.x * c - q.w * s) * inv;
+            out[i + 1] = End { j: j.scale(sign), gap, mass: L::select(there, mass, zero) };
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn warm(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
+        let part = L::splat(k.warm);
+        let p = Wide3::<L>::load(&block.point, at).scale(part);
+        p.store(&mut block.point, at);
+        self.push(p);
+        let l = Wide3::<L>::load(&block.turn, at).scale(part);
+        l.store(&mut block.turn, at);
+        match kind {
+            Type::Ball => {}
+            Type::Hinge => {
+                let [y, z] = self.hinge_axes();
+                self.turn(y.scale(l.x).add(z.scale(l.y)));
+            }
+            Type::Fixed => self.turn(l),
+        }
+        if block.any_drive {
+            let d = Wide3::<L>::load(&block.drive_impulse, at).scale(part);
+            d.store(&mut block.drive_impulse, at);
+            self.turn(self.qa.rotate(d));
+        }
+        if block.any_ends {
+            let ends = self.ends(block, at, kind);
+            for (impulse, end) in block.end_impulse.iter_mut().zip(ends) {
+                let x = L::load(&impulse[at..]) * part;
+                let x = L::select(end.mass.gt(L::zero()), x, L::zero());
+                x.store(&mut impulse[at..]);
+                self.turn(end.j.scale(x));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn solve(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants, first: bool) {
+        if first && block.any_pull {
+            self.pull(block, at, kind);
+        }
+        if block.any_drive {
+            self.drive(block, at, kind);
+        }
+        if block.any_ends {
+            self.push_ends(block, at, kind, k, true);
+        }
+        self.hold_turns(block, at, kind, k, true);
+        self.hold_point(block, at, k, true);
+    }
+
+    #[inline(always)]
+    fn relax(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
+        if block.any_drive {
+            self.drive(block, at, kind);
+        }
+        if block.any_ends {
+            self.push_ends(block, at, kind, k, false);
+        }
+        self.hold_turns(block, at, kind, k, false);
+        self.hold_point(block, at, k, false);
+        self.account(block, at, kind, k);
+    }
+
+    /// The spring towards a rotation.
+    #[inline(always)]
+    fn pull(&mut self, block: &mut Block, at: usize, kind: Type) {
+        let [a, b, max] = [0, 1, 2].map(
+            #[inline(always)]
+            |i: usize| L::load(&block.pull[i][at..]),
+        );
+        let rest = WideQuat::load(&block.rest, at);
+        let left = self.qa.conjugate().times(self.qb).times(rest.conjugate()).shorter().rotation_vector();
+        let speed = Wide3::<L>::load(&block.pull_speed, at);
+        let t = self.ta.plus(self.tb);
+        let l = if kind == Type::Hinge {
+            let j = self.twist();
+            let mass = inverse(j.dot(t.times(j)));
+            let x = -mass * (a * left.x + b * (j.dot(self.spin()) - speed.x));
+            j.scale(x.max(-max).min(max))
+        } else {
+            let c = self.qa.rotate(left);
+            let v = self.spin().sub(self.qa.rotate(speed));
+            let l = t.solve(c.scale(-a).sub(v.scale(b)));
+            // Strength about each of A's axes.
+            self.qa.rotate(bounded(self.qa.conjugate().rotate(l), max))
+        };
+        l.store(&mut block.pull_impulse, at);
+        self.turn(l);
+    }
+
+    /// A motor that holds a speed, or friction.
+    #[inline(always)]
+    fn drive(&mut self, block: &mut Block, at: usize, kind: Type) {
+        let max = L::load(&block.drive[at..]);
+        let speed = Wide3::<L>::load(&block.drive_speed, at);
+        let old = Wide3::<L>::load(&block.drive_impulse, at);
+        let t = self.ta.plus(self.tb);
+        if kind == Type::Hinge {
+            let j = self.twist();
+            let mass = inverse(j.dot(t.times(j)));
+            let new = (old.x - mass * (j.dot(self.spin()) - speed.x)).max(-max).min(max);
+            Wide3::new(new, L::zero(), L::zero()).store(&mut block.drive_impulse, at);
+            self.turn(j.scale(new - old.x));
+        } else {
+            let v = self.spin().sub(self.qa.rotate(speed));
+            let change = self.qa.conjugate().rotate(t.solve(v));
+            let new = bounded(old.sub(change), max);
+            new.store(&mut block.drive_impulse, at);
+            self.turn(self.qa.rotate(new.sub(old)));
+        }
+    }
+
+    #[inline(always)]
+    fn push_ends(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants, solving: bool) {
+        let ends = self.ends(block, at, kind);
+        let (zero, one, inv_h) = (L::zero(), L::splat(1.0), L::splat(1.0 / k.h));
+        for (impulse, end) in block.end_impulse.iter_mut().zip(ends) {
+            let old = L::load(&impulse[at..]);
+            let v = end.j.dot(self.spin());
+            let open = end.gap.gt(zero);
+            let (bias, scale, fade) = if solving {
+                let rate = L::splat(k.soft.mass_scale * k.soft.bias_rate);
+                let back = (rate * end.gap).max(L::splat(-k.push_out));
+                (
+                    L::select(open, end.gap * inv_h, back),
+                    L::select(open, one, L::splat(k.soft.mass_scale)),
+                    L::select(open, zero, L::splat(k.soft.impulse_scale)),
+                )
+            } else {
+                (end.gap.max(zero) * inv_h, one, zero)
+            };
+            let new = (old - end.mass * (scale * v + bias) - fade * old).max(zero);
+            new.store(&mut impulse[at..]);
+            self.turn(end.j.scale(new - old));
+        }
+    }
+
+    /// Rows that hold turns.
+    #[inline(always)]
+    fn hold_turns(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants, solving: bool) {
+        let (scale, rate, fade) = softness::<L>(k, solving);
+        let t = self.ta.plus(self.tb);
+        match kind {
+            Type::Ball => {}
+            Type::Hinge => {
+                let x = self.qb.x();
+                let (y, z) = (self.qa.y(), self.qa.z());
+                let (jy, jz) = (x.cross(y), x.cross(z));
+                let (ty, tz) = (t.times(jy), t.times(jz));
+                let (yy, yz, zz) = (jy.dot(ty), jy.dot(tz), jz.dot(tz));
+                let inv = inverse(yy * zz - yz * yz);
+                let spin = self.spin();
+                let (vy, vz) = (jy.dot(spin) + rate * y.dot(x), jz.dot(spin) + rate * z.dot(x));
+                let old = Wide3::<L>::load(&block.turn, at);
+                let dy = -(scale * inv * (zz * vy - yz * vz)) - fade * old.x;
+                let dz = -(scale * inv * (yy * vz - yz * vy)) - fade * old.y;
+                Wide3::new(old.x + dy, old.y + dz, L::zero()).store(&mut block.turn, at);
+                self.turn(jy.scale(dy).add(jz.scale(dz)));
+            }
+            Type::Fixed => {
+                let c = self.qb.times(self.qa.conjugate()).shorter().v.scale(L::splat(2.0));
+                let old = Wide3::<L>::load(&block.turn, at);
+                let v = self.spin().add(c.scale(rate));
+                let d = t.solve(v).scale(-scale).sub(old.scale(fade));
+                old.add(d).store(&mut block.turn, at);
+                self.turn(d);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn hold_point(&mut self, block: &mut Block, at: usize, k: &Constants, solving: bool) {
+        let (scale, rate, fade) = softness::<L>(k, solving);
+        let d = Wide3::<L>::load(&block.offset, at).add(self.pb.sub(self.pa)).add(self.rb.sub(self.ra));
+        let d = bounded(d, L::splat(k.correct));
+        let v = self.slip().add(d.scale(rate));
+        let mut m = self.ta.moved_to(self.ra).plus(self.tb.moved_to(self.rb));
+        let both = self.ma + self.mb;
+        (m.xx, m.yy, m.zz) = (m.xx + both, m.yy + both, m.zz + both);
+        let old = Wide3::<L>::load(&block.point, at);
+        let change = m.solve(v).scale(-scale).sub(old.scale(fade));
+        old.add(change).store(&mut block.point, at);
+        self.push(change);
+    }
+
+    /// What the substep came to.
+    #[inline(always)]
+    fn account(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
+        let p = Wide3::<L>::load(&block.point, at);
+        let l = Wide3::<L>::load(&block.turn, at);
+        let mut moment = match kind {
+            Type::Ball => l,
+            Type::Hinge => {
+                let [y, z] = self.hinge_axes();
+                y.scale(l.x).add(z.scale(l.y))
+            }
+            Type::Fixed => l,
+        };
+        if block.any_pull {
+            moment = moment.add(Wide3::load(&block.pull_impulse, at));
+        }
+        if block.any_drive {
+            moment = moment.add(self.qa.rotate(Wide3::load(&block.drive_impulse, at)));
+        }
+        if block.any_ends {
+            let ends = self.ends(block, at, kind);
+            for (impulse, end) in block.end_impulse.iter().zip(ends) {
+                moment = moment.add(end.j.scale(L::load(&impulse[at..])));
+            }
+        }
+        Wide3::<L>::load(&block.force, at).add(p).store(&mut block.force, at);
+        Wide3::<L>::load(&block.torque, at).add(moment).store(&mut block.torque, at);
+        let inv_h = L::splat(1.0 / k.h);
+        let mut broke = L::load(&block.broke[at..]);
+        for (i, v) in [p, moment].into_iter().enumerate() {
+            let now = v.dot(v).sqrt() * inv_h;
+            let over = now.min(L::load(&block.last[i][at..])).gt(L::load(&block.bound[i][at..]));
+            broke = L::select(over, L::splat(1.0), broke);
+            now.store(&mut block.last[i][at..]);
+        }
+        broke.store(&mut block.broke[at..]);
+    }
+}
+
+#[inline(always)]
+fn softness<L: Lanes>(k: &Constants, solving: bool) -> (L, L, L) {
+    if solving {
+        (L::splat(k.soft.mass_scale), L::splat(k.soft.bias_rate), L::splat(k.soft.impulse_scale))
+    } else {
+        (L::splat(1.0), L::zero(), L::zero())
+    }
+}

@@ -1,0 +1,157 @@
+//! Nets of joints that are solved row by row in lanes, by type and colour (see [`crate::room::joints::net`]).
+
+use super::Step;
+use super::joints::JointScratch;
+use crate::room::contacts::rows::LANES;
+use crate::room::joints::desc::JointKind;
+use crate::room::joints::hinge;
+use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
+use crate::room::joints::net::{Block, Type};
+use crate::room::joints::rows::Ends;
+use crate::room::joints::set::JointSet;
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::{BodyState, InvInertia, NONE};
+use crate::world::World;
+use jounce_lanes::Width;
+use jounce_tasks::ColorSets;
+
+/// Is the set solved here? Row by row, and of kinds that the kernels know.
+pub(super) fn fits(world: &World, set: &JointSet, h: f32) -> bool {
+    // Mortar breaks as it should only where the blow stays near by: welds are solved in their order.
+    let known = |id: u32| Type::of(&world.joints.table[id].desc, h).is_some_and(|t| t != Type::Fixed);
+    let unlocked = |row: u32| world.awake.step.get(row as usize).is_none_or(|b| b.locks == 0);
+    set.plan.is_none()
+        && set.gears.is_empty()
+        && set.joints.iter().all(|s| known(s.id))
+        && set.bodies.iter().all(|b| unlocked(b.row))
+}
+
+/// Once per step: colours where anything changed, and blocks.
+pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step) {
+    let item = |body: u32| match world.frames[body as usize].row {
+        NONE => ColorSets::NONE,
+        row if world.awake.step[row as usize].kind == BodyKind::Dynamic => row,
+        row => ColorSets::shared(row),
+    };
+    for (rows, kind) in s.nets.iter_mut().zip(Type::ALL) {
+        let items = rows.ids.iter().map(|&id| {
+            let j = &world.joints.table[id];
+            [item(j.body_a), item(j.body_b)]
+        });
+        if rows.colors.items() != world.awake.state.len() || !rows.items.iter().copied().eq(items.clone()) {
+            let items: Vec<[u32; 2]> = items.collect();
+            rows.items = items;
+            rows.colors.reset(world.awake.state.len());
+            for (i, [a, b]) in rows.items.iter().enumerate() {
+                let pushed = rows.colors.push(*a, *b, i as u32);
+                debug_assert!(pushed.is_some(), "a joint of a body with itself, or of none that moves");
+            }
+            rows.blocks.resize(ColorSets::COLORS + 1, Vec::new());
+            for (color, blocks) in rows.blocks.iter_mut().enumerate() {
+                blocks.clear();
+                blocks.resize(rows.colors.rows(color).len().div_ceil(LANES), Block::default());
+            }
+        }
+        let (ids, colors) = (&rows.ids, &rows.colors);
+        for (color, blocks) in rows.blocks.iter_mut().enumerate() {
+            let list = colors.rows(color);
+            world.tasks.for_each(blocks, 4, |i, block| {
+                (block.any_ends, block.any_pull, block.any_drive) = (false, false, false);
+                for (l, row) in list[i * LANES..].iter().take(LANES).enumerate() {
+                    let j = &world.joints.table[ids[row.payload() as usize]];
+                    let side = |slot: u32| {
+                        let row = world.frames[slot as usize].row as usize;
+                        match world.awake.inertia.get(row) {
+                            Some(t) if world.awake.step[row].kind == BodyKind::Dynamic => (t.inv_mass, *t),
+                            _ => (0.0, InvInertia::default()),
+                        }
+                    };
+                    let sides = [side(j.body_a), side(j.body_b)];
+                    block.fill(l, kind, j, &world.start(j), sides, step.constants.h);
+                }
+            });
+        }
+    }
+}
+
+fn constants(world: &World, step: &Step) -> Constants {
+    let k = super::joints::constants(world, step);
+    Constants { h: k.h, warm: k.warm, soft: k.soft, push_out: k.push_out, correct: k.correct * k.h }
+}
+
+/// One pass over all types and colours.
+fn sweep(world: &mut World, step: &Step, pass: Pass) {
+    let k = constants(world, step);
+    let width = world.width;
+    let states = &mut world.awake.state;
+    for (rows, kind) in world.scratch.joints.nets.iter_mut().zip(Type::ALL) {
+        if rows.ids.is_empty() {
+            continue;
+        }
+        let colors = &rows.colors;
+        for (color, blocks) in rows.blocks.iter_mut().enumerate().take(ColorSets::COLORS) {
+            if blocks.is_empty() {
+                continue;
+            }
+            colors.scatter(
+                color,
+                &world.tasks,
+                LANES,
+                states,
+                BodyState::FIXED,
+                blocks,
+                |access, rows, block| {
+                    solve::run(width, Sweep { pass, kind, access, rows, block, lane: 0, constants: &k });
+                },
+            );
+        }
+        let overflow = &mut rows.blocks[ColorSets::COLORS];
+        colors.scatter_overflow(LANES, states, BodyState::FIXED, overflow, |access, row, block| {
+            let lane = row % LANES;
+            solve::run(
+                Width::X1,
+                Sweep { pass, kind, access, rows: row..row + 1, block, lane, constants: &k },
+            );
+        });
+    }
+}
+
+/// Before the positions move.
+pub(super) fn solve(world: &mut World, step: &Step) {
+    sweep(world, step, Pass::Warm);
+    sweep(world, step, Pass::Solve);
+}
+
+/// The same after contacts.
+pub(super) fn answer(world: &mut World, step: &Step) {
+    sweep(world, step, Pass::Answer);
+}
+
+/// After they moved.
+pub(super) fn relax(world: &mut World, step: &Step) {
+    sweep(world, step, Pass::Relax);
+}
+
+/// Impulses back to the records, and what broke: joint, force, torque.
+pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
+    for (rows, kind) in s.nets.iter().zip(Type::ALL) {
+        for (color, blocks) in rows.blocks.iter().enumerate() {
+            for (i, row) in rows.colors.rows(color).iter().enumerate() {
+                let id = rows.ids[row.payload() as usize];
+                let start = world.start(&world.joints.table[id]);
+                let j = &mut world.joints.table[id];
+                let state = |slot: u32| {
+                    let row = world.frames[slot as usize].row as usize;
+                    world.awake.state.get(row).unwrap_or(&BodyState::FIXED).get()
+                };
+                let e = Ends::now(&start, &state(j.body_a), &state(j.body_b));
+                if blocks[i / LANES].store(i, kind, j, step.dt, e.qa) {
+                    s.broke.push((id, j.force.length(), j.torque.length()));
+                }
+                if let JointKind::Hinge(_) = j.desc.kind {
+                    j.coordinate = hinge::angle(&e, j.coordinate).c;
+                }
+            }
+        }
+    }
+}
