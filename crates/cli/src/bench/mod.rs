@@ -10,8 +10,8 @@ mod terrain;
 use crate::args::BenchArgs;
 use crate::error::{Done, Failure};
 use crate::output::{Table, note, number, print, print_json, progress};
-use jounce::World;
 use jounce::tasks::Tasks;
+use jounce::{BodyKind, World};
 use peers::Peer;
 use scenes::{SCENES, Scene};
 use serde::Serialize;
@@ -91,7 +91,8 @@ fn ours(scene: &Scene, steps: usize, repeats: usize, threads: u32) -> Done<Row> 
     totals.sort_by(f64::total_cmp);
     let counts = end.as_ref().map(World::counts).unwrap_or_default();
     let top = |w: &World| {
-        let heights = w.bodies().filter_map(|b| w.body(b).ok().map(|b| b.position().y));
+        let moving = w.bodies().filter_map(|b| w.body(b).ok()).filter(|b| b.kind() == BodyKind::Dynamic);
+        let heights = moving.map(|b| b.position().y);
         heights.fold(f64::NEG_INFINITY, f64::max)
     };
     Ok(Row {

@@ -46,17 +46,22 @@ fn fits(world: &World, set: &JointSet, h: f32, out: &mut Vec<Link>) -> bool {
 }
 
 /// Once per step: who stands beside whom, and all numbers.
-pub(super) fn prepare(world: &World, sets: &mut [JointSet], bands: &mut Vec<Band>, step: &Step) {
+pub(super) fn prepare(
+    world: &World,
+    sets: &mut [JointSet],
+    bands: &mut Vec<Band>,
+    now: &mut Vec<Link>,
+    step: &Step,
+) {
     let h = step.constants.h;
     let mut same = bands.iter().all(|b| b.sets.iter().all(|&s| (s as usize) < sets.len()));
-    let mut now = Vec::new();
     for set in sets.iter_mut() {
         now.clear();
-        if !fits(world, set, h, &mut now) {
+        if !fits(world, set, h, now) {
             now.clear();
         }
-        if set.links != now {
-            set.links.clone_from(&now);
+        if set.links != *now {
+            set.links.clone_from(now);
             same = false;
         }
     }

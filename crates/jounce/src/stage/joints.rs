@@ -2,7 +2,7 @@
 
 use super::{Step, alike, nets};
 use crate::room::contacts::prepare::Softness;
-use crate::room::joints::alike::Band;
+use crate::room::joints::alike::{Band, Link};
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::direct::root;
 use crate::room::joints::local::Local;
@@ -21,6 +21,7 @@ pub(crate) struct JointScratch {
     pub sets: Vec<JointSet>,
     /// Those of them that are solved side by side.
     pub bands: Vec<Band>,
+    links: Vec<Link>,
     /// Joints of those that are solved as nets, by type.
     pub nets: [Rows; 3],
     ids: Vec<u32>,
@@ -63,7 +64,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     }
     let shared: &World = world;
     shared.tasks.for_each(&mut s.sets, 1, |_, set| begin(shared, set, !same));
-    alike::prepare(shared, &mut s.sets, &mut s.bands, step);
+    alike::prepare(shared, &mut s.sets, &mut s.bands, &mut s.links, step);
     choose_nets(shared, &mut s, step);
     nets::prepare(shared, &mut s, step);
     world.scratch.joints = s;
