@@ -26,6 +26,8 @@ const ROUNDS_OF_ENDS: usize = 8;
 const ROUNDING: f32 = 1e-6;
 /// Error of a joint that closes a loop, and bend within a substep, which are let be, m or rad: rounding of f32 at some 10 m.
 const LOOP_SLACK: f32 = 1e-5;
+/// Bend that is looked at, s of correction: 1 mm.
+const BEND: f32 = 1e-4;
 /// Stands for all ends.
 const ENDS: Duty = Duty::Limit(LimitDesc::new(0.0, 0.0));
 
@@ -84,7 +86,8 @@ impl JointSet {
         let Some(plan) = &self.plan else { return };
         for (i, s) in self.joints.iter().enumerate() {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
-            let ahead = if sweep != Sweep::Relax && s.soft.is_none() && s.count > 0 {
+            let looks = sweep != Sweep::Relax && !self.straight;
+            let ahead = if looks && s.soft.is_none() && s.count > 0 {
                 s.ahead(&joints.table[s.id], a, b, k)
             } else {
                 Hard::default()
@@ -108,14 +111,14 @@ impl JointSet {
                 } else {
                     // Errors that a teleport left are taken back at a bounded speed.
                     let error = limited(row.c, k.correct * k.h);
-                    let bend = ahead.rows[c].c - row.c - v * k.h;
+                    let bend = if self.straight { 0.0 } else { ahead.rows[c].c - row.c - v * k.h };
                     if plan.has_loops() {
                         // Rows that say again what others say would fight about rounding for ever.
                         let most = if plan.closes_loop(i) { LOOP_SLACK } else { ROUNDING };
                         let slack = limited(error, most) + limited(bend, most);
                         v + (error + bend - slack) / k.h
                     } else {
-                        (ahead.rows[c].c - (row.c - error)) / k.h
+                        v + (error + bend) / k.h
                     }
                 };
                 plan.set(&mut self.numbers, i, r, -f64::from(value));
@@ -126,9 +129,37 @@ impl JointSet {
     /// Active set. Each round starts from the same velocities: rows that hold are solved for and handed out on trial; rows beyond
     /// what they can give stay at that, those that would have to act again do; until nothing changes. Errors ahead are not linear
     /// in the velocities, so those that a rejected trial leads to are never looked at.
+    ///
+    /// Where the way of the substep bends much, that is judged only once the velocities fit the joints: what a blow has left of a limb's spin on
+    /// a long lever would ask for ten times what it needs.
     pub(super) fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+        if sweep == Sweep::Solve && self.bends(joints, k) {
+            self.straight = true;
+            self.rounds(joints, k, sweep, first);
+            self.straight = false;
+            self.rounds(joints, k, sweep, false);
+        } else {
+            self.rounds(joints, k, sweep, first);
+        }
+    }
+
+    /// Does the way of some point bend by more than [`BEND`] in the substep?
+    fn bends(&self, joints: &Joints, k: &Constants) -> bool {
+        let most = BEND * k.correct;
+        self.joints.iter().filter(|s| s.soft.is_none() && s.active).any(|s| {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            let ahead = s.ahead(&joints.table[s.id], a, b, k);
+            let rows = s.hard.rows[..s.hard.n].iter().zip(&ahead.rows);
+            rows.into_iter().any(|(r, x)| (x.c - r.c - k.h * r.speed(a, b)).abs() > most)
+        })
+    }
+
+    fn rounds(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
         if sweep != Sweep::Relax {
             self.joints.iter_mut().for_each(|s| s.bend(&joints.table[s.id], &self.bodies, k));
+            if self.straight {
+                self.joints.iter_mut().flat_map(|s| &mut s.extra).for_each(|x| x.bend = 0.0);
+            }
         }
         self.activate(joints, k, sweep);
         self.mark();

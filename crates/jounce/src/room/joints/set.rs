@@ -74,6 +74,8 @@ pub(crate) struct JointSet {
     /// Rows that the factors in `numbers` are of.
     factored: Vec<u64>,
     fresh: bool,
+    /// The pass takes the way of the substep for straight.
+    pub(super) straight: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
     /// Pairs of joints that share a moving body, and which.

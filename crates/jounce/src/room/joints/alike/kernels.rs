@@ -438,15 +438,14 @@ fn aim<L: Lanes>(
         let v = speed::<L>(row, i, at, (&a.v, &a.w), (&b.v, &b.w));
         let c = L::load(&row.c[at..]);
         let end = i >= first_end;
+        let curve = if pass.looks_ahead() { next[i] - c - h * v } else { zero };
+        curve.store(&mut row.curve[at..]);
         let bend = match pass {
             Pass::Relax => zero,
             Pass::Place => c,
             // Errors that a teleport left are taken back at a bounded speed.
-            _ if !end => (next[i] - (c - clamped(c, most))) * inv_h - v,
-            _ => {
-                let bend = clamped(next[i] - c - h * v, most);
-                bend * inv_h + (c * inv_h).max(L::splat(-k.push_out))
-            }
+            _ if !end => (clamped(c, most) + curve) * inv_h,
+            _ => clamped(curve, most) * inv_h + (c * inv_h).max(L::splat(-k.push_out)),
         };
         bend.store(&mut row.bend[at..]);
         if !end {

@@ -93,6 +93,8 @@ struct Row {
     c: Lane,
     /// The right side is −(J u + bend).
     bend: Lane,
+    /// What the way of the substep bends by, beyond C + h J u.
+    curve: Lane,
     /// 1 where it takes part, else 0.
     acts: Lane,
     /// The same in the matrix as it is factored.
@@ -228,6 +230,7 @@ impl Default for Row {
             ib: V,
             c: Z,
             bend: Z,
+            curve: Z,
             acts: [1.0; LANES],
             factored: Z,
             lambda: Z,

@@ -12,10 +12,10 @@ use jounce_math::Vec3;
 /// Which pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pass {
-    /// Before the positions move.
+    /// Before the positions move: once before and once after contacts.
     Solve,
-    /// The same after contacts.
-    Answer,
+    /// The same as if the way of the substep were straight.
+    Straight,
     /// Places alone: a velocity is a way, and the substep lasts a second.
     Place,
     /// After they moved.
@@ -24,7 +24,7 @@ pub(crate) enum Pass {
 
 impl Pass {
     pub(super) fn looks_ahead(self) -> bool {
-        matches!(self, Self::Solve | Self::Answer)
+        self == Self::Solve
     }
 }
 
@@ -36,6 +36,8 @@ const ROUNDS_OF_ENDS: usize = 8;
 const BEYOND: f32 = 0.01;
 const GAP: f32 = 2e-4;
 const OPEN: f32 = 0.02;
+/// As in [`super::super::active`], s of correction.
+const BEND: f32 = 1e-4;
 const PLACINGS: usize = 8;
 const PLACED: f32 = 1e-5;
 const NEAR: f32 = 1e-3;
@@ -64,7 +66,7 @@ impl Band {
         if self.any_pull || self.any_drive {
             dispatch(width, Push { band: self, first: true, warm: k.warm });
         }
-        self.rounds(width, Pass::Solve, k);
+        self.hold(width, k);
         dispatch(width, Gain(self));
     }
 
@@ -88,7 +90,7 @@ impl Band {
         if self.any_drive {
             dispatch(width, Push { band: self, first: false, warm: k.warm });
         }
-        self.rounds(width, Pass::Answer, k);
+        self.hold(width, k);
         dispatch(width, Gain(self));
     }
 
@@ -123,6 +125,38 @@ impl Band {
     fn refresh(&mut self, width: Width) {
         dispatch(width, Refresh(self));
         self.fresh = false;
+    }
+
+    /// Where the way of the substep bends much, that is judged only once the velocities fit the joints (see [`super::super::active`]).
+    fn hold(&mut self, width: Width, k: &Constants) {
+        let live = self.live;
+        dispatch(width, Aim { band: self, pass: Pass::Solve, k });
+        self.live = self.bends(k);
+        if self.live != Z {
+            self.rounds(width, Pass::Straight, k);
+        }
+        self.live = live;
+        self.rounds(width, Pass::Solve, k);
+    }
+
+    /// 1 in lanes in which the way of some point bends by more than [`BEND`] in the substep.
+    fn bends(&self, k: &Constants) -> Lane {
+        let mut lanes = Z;
+        let most = BEND * k.correct;
+        for (j, link) in self.joints.iter().zip(&self.pattern.joints) {
+            let (holds, _) = link.kind.turns();
+            for row in &j.rows[..3 + holds] {
+                for (lane, curve) in lanes.iter_mut().zip(&row.curve) {
+                    if curve.abs() > most {
+                        *lane = 1.0;
+                    }
+                }
+            }
+        }
+        for (lane, live) in lanes.iter_mut().zip(&self.live) {
+            *lane *= live;
+        }
+        lanes
     }
 
     fn rounds(&mut self, width: Width, pass: Pass, k: &Constants) {
