@@ -419,10 +419,7 @@ fn ragdolls_in_one_place_part_whole() {
             .flat_map(|d| &d.bodies)
             .map(|&b| 0.5 * 9.0 * f64::from(w.body(b).unwrap().mass()))
             .sum::<f64>();
-        assert!(
-            most < start + pushed && end < start,
-            "{k}: {start} J, {most} J, {end} J, pushed {pushed} J"
-        );
+        assert!(most < start + pushed && end < start, "{k}: {start} J, {most} J, {end} J, pushed {pushed} J");
     }
 }
 
