@@ -35,13 +35,19 @@ pub fn showcase(common: &Common) -> Done {
     write_whole(&output, &film)?;
     let report = simulation.finish();
     print(&summary(&report))?;
-    note(&format!("\nwrote {} ({:.2} MB)", output.display(), film.len() as f64 / 1e6));
-    note(
-        "try next:
-  jounce render scenes/showcase.json -o out/still.png --at 3   one picture
-  jounce run scenes/showcase.json --json                       numbers, and a hash that is the same everywhere
-  jounce verify                                                every law beside its closed form
-  jounce --help                                                everything else",
-    );
+    note("");
+    note(&format!("wrote {} ({:.2} MB)", output.display(), film.len() as f64 / 1e6));
+    for line in NEXT {
+        note(line);
+    }
     if report.passed() { Ok(()) } else { Err(Failure::Misses) }
 }
+
+/// What to try after the showcase.
+const NEXT: [&str; 5] = [
+    "try next:",
+    "  jounce render scenes/showcase.json -o out/still.png --at 3   one picture",
+    "  jounce run scenes/showcase.json --json                       numbers, and a hash that is the same everywhere",
+    "  jounce verify                                                every law beside its closed form",
+    "  jounce --help                                                everything else",
+];
