@@ -120,6 +120,7 @@ fn gather(sets: &[JointSet], bands: &mut Vec<Band>) {
         let (pattern, last) = patterns
             .entry(&set.links)
             .or_insert_with(|| (Pattern::new(&set.links, set.bodies.len()).map(Arc::new), usize::MAX));
+        debug_assert!(pattern.is_some(), "a set that fits has a plan");
         let Some(pattern) = pattern else { continue };
         if bands.get(*last).is_none_or(|b| b.sets.len() == LANES) {
             *last = bands.len();

@@ -49,6 +49,7 @@ const CALMING: f32 = 0.9;
 impl Band {
     /// Before the positions move.
     pub fn solve(&mut self, width: Width, states: &[BodyState], k: &Constants, first: bool) {
+        self.placed = [false; LANES];
         self.wake();
         dispatch(width, Take { band: self, states });
         if first {
