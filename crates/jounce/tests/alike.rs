@@ -51,7 +51,7 @@ fn who_stands_in_the_other_lanes_does_not_matter() {
     let fall = |others: usize| {
         let mut w = World::new(WorldDesc::default()).unwrap();
         w.add_body(BodyDesc::fixed().shape(hills())).unwrap();
-        let far = w.add_body(BodyDesc::fixed().at([200.0, 0.0, 0.0]).shape(hills())).unwrap();
+        w.add_body(BodyDesc::fixed().at([200.0, 0.0, 0.0]).shape(hills())).unwrap();
         let mut rng = Rng::new(5);
         // Some before it and some after, so that it is not in the first lane.
         let more = |w: &mut World, n: usize, rng: &mut Rng| {
@@ -64,7 +64,6 @@ fn who_stands_in_the_other_lanes_does_not_matter() {
         let q = Quat::from_axis_angle(Vec3::new(0.36, 0.48, 0.8), 1.0);
         let doll = w.add_ragdoll(&RagdollDesc::human().at([0.0, 2.5, 0.0]).rotated(q).group(-1)).unwrap();
         more(&mut w, others - others / 2, &mut rng);
-        assert!(w.body(far).is_ok());
         let mut seen = Vec::new();
         for _ in 0..150 {
             w.step().unwrap();

@@ -16,18 +16,18 @@ use super::state::Joints;
 use jounce_math::scalar::f64s;
 
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
-const TAUT_SPEED: f32 = 0.1;
+pub(super) const TAUT_SPEED: f32 = 0.1;
 /// Rounds of the active set.
-const ROUNDS: usize = 16;
+pub(super) const ROUNDS: usize = 16;
 /// Of these, those that let motors and friction act again, and those that let ends.
 const ROUNDS_OF_MOTORS: usize = 2;
-const ROUNDS_OF_ENDS: usize = 8;
+pub(super) const ROUNDS_OF_ENDS: usize = 8;
 /// The same of the others of its set.
 const ROUNDING: f32 = 1e-6;
 /// Error of a joint that closes a loop, and bend within a substep, which are let be, m or rad: rounding of f32 at some 10 m.
 const LOOP_SLACK: f32 = 1e-5;
 /// Bend that is looked at, s of correction: 1 mm.
-const BEND: f32 = 1e-4;
+pub(super) const BEND: f32 = 1e-4;
 /// Stands for all ends.
 const ENDS: Duty = Duty::Limit(LimitDesc::new(0.0, 0.0));
 

@@ -51,4 +51,4 @@ pub(crate) fn extras(b: &BallDesc, e: &Ends, out: &mut Extras<'_>) {
 }
 
 /// Gap from which a point is torn, m.
-const TORN: f32 = 0.05;
+pub(super) const TORN: f32 = 0.05;

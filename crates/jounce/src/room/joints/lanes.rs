@@ -185,7 +185,7 @@ impl<L: Lanes> Sym<L> {
             self.xz * v.x + self.yz * v.y + self.zz * v.z,
         )
     }
-    /// [r] T [r]ᵀ: how a point at the lever r gives way where turns do by T.
+    /// (r×) T (r×)ᵀ: how a point at the lever r gives way where turns do by T.
     #[inline(always)]
     pub fn moved_to(self, r: Wide3<L>) -> Self {
         // Rows of [r]: (0, −z, y), (z, 0, −x), (−y, x, 0); T times each of them.

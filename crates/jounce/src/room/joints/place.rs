@@ -158,12 +158,12 @@ impl JointSet {
 }
 
 /// How far beyond an end a turn may lead before it is put back, rad.
-const BEYOND: f32 = 0.01;
+pub(super) const BEYOND: f32 = 0.01;
 /// Sets with points further apart than errors are taken back in this time are put together, s: 2 mm; up to 20 cm.
-const GAP: f32 = 2e-4;
-const OPEN: f32 = 0.02;
+pub(super) const GAP: f32 = 2e-4;
+pub(super) const OPEN: f32 = 0.02;
 /// The last of Newton's steps where they have a solution, m or rad.
-const NEAR: f32 = 1e-3;
+pub(super) const NEAR: f32 = 1e-3;
 /// Newton's steps at most, and the way that ends them, m and rad.
-const PLACINGS: usize = 8;
+pub(super) const PLACINGS: usize = 8;
 const PLACED: f32 = 1e-6;

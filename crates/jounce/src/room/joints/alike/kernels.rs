@@ -3,6 +3,8 @@
 use super::pattern::Kind;
 use super::{Band, Bodies, JointLanes, NOBODY, Pass, Row};
 use crate::room::contacts::rows::{LANES, Lane, LaneVec, Wide3};
+use crate::room::joints::active::TAUT_SPEED;
+use crate::room::joints::ball::TORN;
 use crate::room::joints::lanes::{
     Sym, WideQuat, bounded, clamped, inverse, select3, turned, twice_atan, zero3,
 };
@@ -10,11 +12,6 @@ use crate::room::joints::set::Constants;
 use crate::room::joints::solve::TOUCH;
 use crate::room::rigid::state::BodyState;
 use jounce_lanes::{Kernel, Lanes, Mask};
-
-/// Gap from which a point is torn, m: both bodies are pulled at their own anchors then, and no lever grows with it.
-const TORN: f32 = 0.05;
-/// An end that pushed is a candidate as long as so little speed would close it within a substep, rad/s.
-const TAUT_SPEED: f32 = 0.1;
 
 /// Velocities and places of the bodies, and inertia as it is now. What contacts and forces changed came through the inertia of the
 /// step's start: as momentum, I₀ Δω, it is taken over (see `room/rigid/solve.rs`).

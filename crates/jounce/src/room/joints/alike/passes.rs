@@ -4,7 +4,9 @@ use super::kernels::{Account, Aim, Damp, Gain, Move, Push, Refresh, Spin, Stiffe
 use super::matrix::Factor;
 use super::{Band, Z};
 use crate::room::contacts::rows::{LANES, Lane};
-use crate::room::joints::set::Constants;
+use crate::room::joints::active::{BEND, ROUNDS, ROUNDS_OF_ENDS};
+use crate::room::joints::place::{BEYOND, GAP, NEAR, OPEN, PLACINGS};
+use crate::room::joints::set::{CALMING, Constants, TORN};
 use crate::room::rigid::state::BodyState;
 use jounce_lanes::{Width, dispatch};
 use jounce_math::Vec3;
@@ -28,23 +30,8 @@ impl Pass {
     }
 }
 
-/// Rounds of the active set, and of these, those that let ends in.
-const ROUNDS: usize = 16;
-const ROUNDS_OF_ENDS: usize = 8;
-/// As in [`super::super::place`]: how far beyond an end a turn may lead, rad; gaps that are put together, s of correction; Newton's
-/// steps, the way that ends them, and the way of the last that is accepted, m or rad.
-const BEYOND: f32 = 0.01;
-const GAP: f32 = 2e-4;
-const OPEN: f32 = 0.02;
-/// As in [`super::super::active`], s of correction.
-const BEND: f32 = 1e-4;
-const PLACINGS: usize = 8;
+/// The way that ends Newton's steps, m or rad: what f32 can tell.
 const PLACED: f32 = 1e-5;
-const NEAR: f32 = 1e-3;
-/// As in [`super::super::set`]: a joint is torn where it is off by more than errors are taken back in this time, s; and the part of a torn
-/// set's inner velocities that a substep takes.
-const TORN: f32 = 0.1;
-const CALMING: f32 = 0.9;
 
 impl Band {
     /// Before the positions move.

@@ -6,7 +6,7 @@
 //!
 //! Three types, each with a kernel and blocks of its own:
 //!
-//! * ball: d = p_b − p_a = 0; J = (−1, [r_a], 1, −[r_b]), a 3×3 block; cone and twist as ends; motor and friction about A's axes;
+//! * ball: d = p_b − p_a = 0; J = (−1, r_a×, 1, −r_b×), a 3×3 block; cone and twist as ends; motor and friction about A's axes;
 //! * hinge: the same, and x_b stays across y_a and z_a, a 2×2 block, j = x_b × n; ends, motor, spring and friction about x;
 //! * fixed: the same, and no turn, C = 2 v of q_b q_a⁻¹ = (v, w) as a 3×3 block about the world's axes.
 //!
