@@ -10,15 +10,18 @@
 //! has a condition number of 10⁹.
 //!
 //! Joints beyond a spanning forest close loops; their rows may say again what others say (two hinges of a door). Such a row's pivot
-//! vanishes; their diagonal is raised by [`LOOP_COMPLIANCE`] of itself, so that they yield instead.
+//! vanishes; their diagonal is raised by [`CLOSING_COMPLIANCE`] of itself, so that they yield instead. What is left of it at the last
+//! joint of a long loop drowns in the rounding of J M⁻¹ Jᵀ, 1e-7 of the diagonal, where a pivot can be anything. So all joints of a
+//! loop yield by [`LOOP_COMPLIANCE`]: no pivot falls below that part of its diagonal.
 //!
 //! Source: Baraff, Linear-time dynamics using Lagrange multipliers, 1996; George & Liu, Computer solution of large sparse positive
 //! definite systems, 1981.
 
 /// Rows of a joint at most: those that hold, and ends and motors that act at the time.
 pub(crate) const ROWS: usize = 12;
-/// Part of their own diagonal that is added to the rows of joints that close loops.
-const LOOP_COMPLIANCE: f64 = 1e-3;
+/// Part of their own diagonal that is added to the rows of joints that close loops, and to those of the others of a loop.
+const CLOSING_COMPLIANCE: f64 = 1e-3;
+const LOOP_COMPLIANCE: f64 = 1e-5;
 /// A pivot below this part of its diagonal belongs to a row that others make superfluous.
 const PIVOT_MIN: f64 = 1e-11;
 
@@ -49,7 +52,8 @@ pub(crate) struct Plan {
     targets: Vec<u32>,
     /// Closes a loop, by position.
     closes: Vec<bool>,
-    loops: bool,
+    /// Is part of a loop, by position.
+    looped: Vec<bool>,
     floats: usize,
     rows: usize,
 }
@@ -102,13 +106,14 @@ impl Plan {
             }
         }
         let (order, columns) = eliminate(n, &at_body, most)?;
+        let looped = looped(links, &closes, bodies as u32);
         let mut position = vec![0; n];
         for (k, &i) in order.iter().enumerate() {
             position[i as usize] = k as u32;
         }
         let mut plan = Self {
             sizes: order.iter().map(|&i| links[i as usize].0).collect(),
-            loops: closes.contains(&true),
+            looped: order.iter().map(|&i| looped[i as usize]).collect(),
             closes: order.iter().map(|&i| closes[i as usize]).collect(),
             position,
             order,
@@ -214,12 +219,21 @@ impl Plan {
         let at = self.diagonal[k as usize] as usize + row * (n.size(k) + 1);
         n.a[at] += value;
     }
+    /// Part of their own diagonal by which the rows of a joint of a loop yield.
+    fn gives(&self, k: usize) -> f64 {
+        match (self.closes[k], self.looped[k]) {
+            (true, _) => CLOSING_COMPLIANCE,
+            (_, true) => LOOP_COMPLIANCE,
+            _ => 0.0,
+        }
+    }
     /// A = L D Lᵀ.
     pub fn factor(&self, n: &mut Numbers) {
-        for k in (0..self.order.len()).filter(|&k| self.closes[k]) {
+        for k in (0..self.order.len()).filter(|&k| self.looped[k]) {
             let (size, d) = (n.size(k as u32), self.diagonal[k] as usize);
+            let part = self.gives(k);
             for i in 0..size {
-                n.a[d + i * size + i] *= 1.0 + LOOP_COMPLIANCE;
+                n.a[d + i * size + i] *= 1.0 + part;
             }
         }
         let mut target = 0;
@@ -261,7 +275,7 @@ impl Plan {
     }
     /// Does any joint close a loop?
     pub fn has_loops(&self) -> bool {
-        self.loops
+        self.looped.contains(&true)
     }
     /// Do others hold together what this joint holds together?
     pub fn closes_loop(&self, joint: usize) -> bool {
@@ -325,6 +339,48 @@ pub(crate) fn root(parent: &mut [u32], mut i: u32) -> u32 {
         i = parent[i as usize];
     }
     i
+}
+
+/// Which joints are part of a loop: those that close one, and those of the tree on the way between its two bodies.
+fn looped(links: &[(u8, [u32; 2])], closes: &[bool], still: u32) -> Vec<bool> {
+    let mut looped = closes.to_vec();
+    if !closes.contains(&true) {
+        return looped;
+    }
+    let ends = |i: usize| links[i].1.map(|b| b.min(still) as usize);
+    let mut next = vec![Vec::new(); still as usize + 1];
+    for i in (0..links.len()).filter(|&i| !closes[i]) {
+        let [a, b] = ends(i);
+        next[a].push((i, b));
+        next[b].push((i, a));
+    }
+    // Each body's joint towards its root, the body there, and how many they are.
+    let mut up: Vec<Option<(usize, usize, u32)>> = vec![None; next.len()];
+    for start in 0..next.len() {
+        if up[start].is_some() {
+            continue;
+        }
+        up[start] = Some((usize::MAX, start, 0));
+        let mut list = vec![start];
+        while let Some(b) = list.pop() {
+            let depth = up[b].map_or(0, |u| u.2);
+            for &(i, to) in &next[b] {
+                if up[to].is_none() {
+                    up[to] = Some((i, b, depth + 1));
+                    list.push(to);
+                }
+            }
+        }
+    }
+    for i in (0..links.len()).filter(|&i| closes[i]) {
+        let [mut a, mut b] = ends(i);
+        while let (true, Some(x), Some(y)) = (a != b, up[a], up[b]) {
+            let (joint, to, _) = if x.2 >= y.2 { x } else { y };
+            looped[joint] = true;
+            (a, b) = if x.2 >= y.2 { (to, b) } else { (a, to) };
+        }
+    }
+    looped
 }
 
 /// Order of least degree (ties to the lower joint), and for each step the joints below.
@@ -463,12 +519,9 @@ mod tests {
                 let mut sum = 0.0;
                 for (k, l) in links.iter().enumerate() {
                     for c in 0..usize::from(l.0) {
-                        let scale = if k == i && c == row && plan.closes[plan.position[i] as usize] {
-                            1.0 + LOOP_COMPLIANCE
-                        } else {
-                            1.0
-                        };
-                        sum += scale * entry(i, row, k, c) * plan.get(&n, k, c);
+                        let own = k == i && c == row;
+                        let gives = if own { plan.gives(plan.position[i] as usize) } else { 0.0 };
+                        sum += (1.0 + gives) * entry(i, row, k, c) * plan.get(&n, k, c);
                     }
                 }
                 assert!((sum - v).abs() < 1e-8, "joint {i}, row {row}: {sum} for {v}");
