@@ -222,6 +222,26 @@ fn impacts_come_before_contact_and_not_early() {
     }
 }
 
+/// The end of a long body: it turns about a centre of mass metres away.
+#[test]
+fn impacts_of_parts_far_from_the_centre_come_before_contact() {
+    let mut rng = Rng(0x7EE);
+    for kind in 0..5 {
+        for k in 0..cases() / 10 {
+            let (ground, body) = (hills(&mut rng), convex(&mut rng, kind));
+            let q = rng.rotation();
+            let d = Quat::from_axis_angle(rng.direction(), rng.range(0.0, 0.8));
+            let local_center = rng.direction() * rng.range(1.0, 4.0);
+            // Where the part is at first, and from there its centre of mass.
+            let part = Vec3::new(rng.range(-1.0, 1.0), rng.range(1.5, 2.5), rng.range(-1.0, 1.0));
+            let start = part + q.rotate(local_center);
+            let motion = Vec3::new(rng.range(-1.0, 1.0), rng.range(-3.0, 0.0), rng.range(-1.0, 1.0));
+            let sweep = Sweep { local_center, center: [start, start + motion], rotation: [q, d * q] };
+            check_impact(&ground, &body, &sweep, &format!("#{k} {body:?} {sweep:?}"));
+        }
+    }
+}
+
 /// A ball at 250 m/s, one step of 1/60 s, against a wall 0.1 m thick.
 #[test]
 fn fast_ball_meets_thin_wall() {

@@ -95,7 +95,8 @@ impl First {
 
 fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32, max_t: f32) -> TimeOfImpact {
     let mut first = First::new(max_t);
-    let swept = swept_bounds(sweep, b, target + tolerance);
+    let (start, motion) = swept_bounds(sweep, b, target + tolerance);
+    let swept = start.union(&Aabb::new(start.min + motion, start.max + motion));
     for (frame, child) in a.children() {
         if !child.aabb(frame).overlaps(&swept) {
             continue;
@@ -110,10 +111,17 @@ fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32,
     first.answer()
 }
 
-/// Around all of B's positions: its ball about the centre of mass, moved.
-fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> Aabb {
-    let r = b.outer_radius(sweep.local_center) + margin;
-    Aabb::from_points(sweep.center).expanded(r)
+/// A box and its way that cover all of B's positions.
+///
+/// About the centre of mass each point moves on an arc of the angle θ; between its ends it leaves the chord by no more than
+/// r (1 − cos θ/2), with r its distance. So the boxes of the two rotations, and that much around them.
+fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3) {
+    let [from, to] = sweep.center;
+    let about = sweep.rotation.map(|q| b.aabb(&Pose::new(-q.rotate(sweep.local_center), q)));
+    let cosine = f32s::min(sweep.rotation[0].dot(sweep.rotation[1]).abs(), 1.0);
+    let sagitta = b.outer_radius(sweep.local_center) * (1.0 - cosine);
+    let turned = about[0].union(&about[1]).expanded(margin + sagitta);
+    (Aabb::new(turned.min + from, turned.max + from), to - from)
 }
 
 struct Moving<'a> {
@@ -203,14 +211,25 @@ impl Moving<'_> {
         TimeOfImpact::Failed(t)
     }
 
+    /// Does all of B stay in front of the plane of a triangle? Most that are near are passed over so, without a look at their edges.
+    fn stays_in_front(&self, a: &Surface, index: u32, t: &[Vec3; 3], start: Vec3, max_t: f32) -> bool {
+        let Some(n) = a.normal(index) else { return false };
+        let n = if n.dot(start - t[0]) < 0.0 { -n } else { n };
+        let offset = n.dot(t[0]);
+        // The plane of a sliver is only as good as its normal.
+        let slack = f32s::max(n.dot(t[1] - t[0]).abs(), n.dot(t[2] - t[0]).abs());
+        self.gap(n, offset + slack, 0.0) > self.target + self.tolerance
+            && self.advance(n, offset + slack, 0.0, max_t).is_none()
+    }
+
     fn surface(&self, a: &Surface, b: &Shape, max_t: f32) -> TimeOfImpact {
         let mut first = First::new(max_t);
-        let [c0, c1] = self.sweep.center;
-        let r = b.outer_radius(self.sweep.local_center) + self.target + self.tolerance;
-        let ball = Aabb::from_center(c0, Vec3::splat(r));
+        let (bounds, motion) = swept_bounds(self.sweep, b, self.target + self.tolerance);
         let start = self.sweep.pose(0.0).transform_point(self.core.0.center());
-        a.sweep(&ball, c1 - c0, max_t, |index, bound| {
-            if let Some(t) = a.facing_corners(index, start) {
+        a.sweep(&bounds, motion, max_t, |index, bound| {
+            if let Some(t) = a.facing_corners(index, start)
+                && !self.stays_in_front(a, index, &t, start, bound)
+            {
                 first.add(self.convex((Core::Triangle(t), 0.0), bound));
             }
             f32s::min(first.max_t, bound)

@@ -10,10 +10,14 @@ use crate::edit::world_bounds;
 use crate::room::contacts::state::Place;
 use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
-use jounce_geometry::{Aabb, Manifold, PairCache, Shape, Sweep, TimeOfImpact, collide, time_of_impact};
+use jounce_geometry::{
+    Aabb, Manifold, ManifoldSet, PairCache, Shape, Sweep, TimeOfImpact, collide, time_of_impact,
+};
 use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
 use std::sync::PoisonError;
 
+/// Fast bodies per unit.
+const CHUNK: usize = 4;
 /// A body that moved less than this part of its inner radius cannot have passed anything.
 const FAST: f32 = 0.5;
 /// Part of the inner radius that a sliding body may sink in within a step.
@@ -25,8 +29,6 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     if !world.settings.continuous {
         return;
     }
-    // Memory for the contact tests of this stage: where it is absent (a clone, a first step) nothing may turn out otherwise.
-    world.scratch.sets.at_least(1);
     let mut hits = core::mem::take(&mut world.scratch.hits);
     hits.clear();
     for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
@@ -34,12 +36,18 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         let s = s.get();
         let moved = s.dp.length() + s.dr.length() * (body.mass.outer_radius - body.mass.inner_radius);
         if b.kind == BodyKind::Dynamic && moved > FAST * body.mass.inner_radius && moved.is_finite() {
-            let t = first_hit(world, b.body);
-            if t < 1.0 {
-                hits.push((b.body, t));
-            }
+            hits.push((b.body, 1.0));
         }
     }
+    world.scratch.sets.at_least(hits.len().div_ceil(CHUNK));
+    let shared: &World = world;
+    shared.tasks.for_each_chunk(&mut hits, CHUNK, |first, chunk| {
+        let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
+        for (slot, t) in chunk {
+            *t = first_hit(shared, *slot, &mut set);
+        }
+    });
+    hits.retain(|h| h.1 < 1.0);
     for &(slot, t) in &hits {
         let f = &mut world.frames[slot as usize];
         let turned = f.rotation;
@@ -61,10 +69,11 @@ pub(crate) fn run(world: &mut World, _: &Step) {
 }
 
 /// Fraction of the step after which the body first meets something it must not pass.
-fn first_hit(world: &World, slot: u32) -> f32 {
+fn first_hit(world: &World, slot: u32, set: &mut ManifoldSet) -> f32 {
     let body = &world.bodies[slot];
     let f = &world.frames[slot as usize];
     let mut first = 1.0;
+    let mut core = Core::default();
     for &s in &body.shapes {
         let r = &world.shapes[s];
         if r.sensor || r.place == Place::Nowhere {
@@ -77,7 +86,7 @@ fn first_hit(world: &World, slot: u32) -> f32 {
         let swept: Aabb = bounds(f.center0, f.rotation0).union(&bounds(f.center, f.rotation));
         let mut see = |other: u32| {
             if broadphase::may_meet(world, s, other) {
-                first = f32s::min(first, meet(world, s, other));
+                first = f32s::min(first, meet(world, [s, other], &mut core, set));
             }
             true
         };
@@ -93,7 +102,7 @@ fn first_hit(world: &World, slot: u32) -> f32 {
 }
 
 /// Time of impact of shape `s` against shape `other` over the last step.
-fn meet(world: &World, s: u32, other: u32) -> f32 {
+fn meet(world: &World, [s, other]: [u32; 2], core: &mut Core, set: &mut ManifoldSet) -> f32 {
     let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
     let (fb, fa) = (&world.frames[rb.body as usize], &world.frames[ra.body as usize]);
     let slop = world.settings.slop();
@@ -110,23 +119,21 @@ fn meet(world: &World, s: u32, other: u32) -> f32 {
     let sweep = sweep_between(&start, &end, local_center);
     let first = match time_of_impact(&ra.shape, &rb.shape, &sweep, target, 0.25 * target) {
         TimeOfImpact::Separated => return 1.0,
-        TimeOfImpact::Hit(t) if t > 1e-4 && grazes(world, [s, other], &sweep, t, 2.0 * target) => 1.0,
+        TimeOfImpact::Hit(t) if t > 1e-4 && grazes(world, [s, other], &sweep, (t, 2.0 * target), set) => 1.0,
         TimeOfImpact::Hit(t) | TimeOfImpact::Failed(t) if t > 1e-4 => t,
         _ => 1.0,
     };
     // A part that touches from the start is left out of the time of impact where there are others: the core sees it.
-    let first = f32s::min(first, core_hit(world, rb.body, &ra.shape, &sweep));
-    shallow(world, [s, other], &sweep, first)
+    let core = core.of(other, || core_hit(world, rb.body, &ra.shape, &sweep));
+    shallow(world, [s, other], &sweep, f32s::min(first, core), set)
 }
 
 /// The last time up to `t` at which the body is no deeper in the shape than at the start or a part of its inner radius. A body
 /// that touches with one end and turns quickly would swing the other, of which the contact does not know, deep in.
-fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32) -> f32 {
+fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, set: &mut ManifoldSet) -> f32 {
     let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
-    let Some(set) = world.scratch.sets.0.first() else { return t };
-    let mut set = set.lock().unwrap_or_else(PoisonError::into_inner);
     let mut depth = |t: f32| {
-        collide(&ra.shape, &rb.shape, &sweep.pose(t), 0.0, &mut PairCache::default(), &mut set);
+        collide(&ra.shape, &rb.shape, &sweep.pose(t), 0.0, &mut PairCache::default(), set);
         let points = set.manifolds.iter().flat_map(Manifold::points);
         points.fold(0.0, |d, p| f32s::max(d, -p.separation))
     };
@@ -150,12 +157,16 @@ fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32) -> f32 {
 /// Does the body, from the time of impact on, only slide along the surface? Every point that touches then goes less deep
 /// than a part of the inner radius: nothing passes, and the contacts of the next step push it out. Stopping it would take
 /// away its way but not its speed, and gravity would go on adding to that.
-fn grazes(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, margin: f32) -> bool {
+fn grazes(
+    world: &World,
+    [s, other]: [u32; 2],
+    sweep: &Sweep,
+    (t, margin): (f32, f32),
+    set: &mut ManifoldSet,
+) -> bool {
     let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
-    let Some(set) = world.scratch.sets.0.first() else { return false };
-    let mut set = set.lock().unwrap_or_else(PoisonError::into_inner);
     let (then, end) = (sweep.pose(t), sweep.pose(1.0));
-    collide(&ra.shape, &rb.shape, &then, margin, &mut PairCache::default(), &mut set);
+    collide(&ra.shape, &rb.shape, &then, margin, &mut PairCache::default(), set);
     let limit = GRAZE * world.bodies[rb.body].mass.inner_radius;
     let shallow = |m: &Manifold| {
         m.points().iter().all(|p| {
@@ -164,6 +175,25 @@ fn grazes(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, margin: f3
         })
     };
     !set.manifolds.is_empty() && set.manifolds.iter().all(shallow)
+}
+
+/// What a body's core has met: all its shapes ask about the same few others.
+#[derive(Default)]
+struct Core {
+    met: [Option<(u32, f32)>; 4],
+    next: usize,
+}
+
+impl Core {
+    fn of(&mut self, other: u32, hit: impl FnOnce() -> f32) -> f32 {
+        if let Some((_, t)) = self.met.iter().flatten().find(|m| m.0 == other) {
+            return *t;
+        }
+        let t = hit();
+        self.met[self.next % self.met.len()] = Some((other, t));
+        self.next += 1;
+        t
+    }
 }
 
 fn core_hit(world: &World, body: u32, a: &Shape, sweep: &Sweep) -> f32 {
