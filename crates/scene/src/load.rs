@@ -176,8 +176,6 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
     }
     trial(&spec, &world, &groups)?;
     let mut joint_names = JointNames::default();
-    joint_names.note_gears(&spec.joints);
-    spec.timeline.iter().filter_map(|t| t.spawn.as_ref()).for_each(|s| joint_names.note_gears(&s.joints));
     let mut cast = Cast::default();
     let mut named = Named { bodies: &mut names, joints: &mut joint_names };
     let start = (&spec.vehicles[..], &spec.characters[..], &spec.ragdolls[..]);

@@ -251,7 +251,7 @@ fn limit(s: &LimitSpec, turns: bool) -> Checked<LimitDesc> {
     let desc = LimitDesc { min, max, spring: s.spring.as_ref().map(stiffness).transpose().key("spring")? };
     let mut axis = AxisDesc::FREE;
     axis.limit = Some(desc);
-    if checked(JointKind::Hinge(axis)).is_err() {
+    if checked(JointKind::Slider(axis)).is_err() {
         return Err(Wrong::new(format!("is {min} to {max}"), "within ±1e6"));
     }
     Ok(desc)

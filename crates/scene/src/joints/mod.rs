@@ -12,7 +12,7 @@ use jounce::math::{DVec3, Pose, Quat, Vec3, WorldPose};
 use jounce::{BodyId, JointDesc, JointFrames, JointId, JointKind, JointSolver};
 use kinds::{Kinds, kind};
 pub(crate) use kinds::{NewMotor, set_joint, set_motor, stiffness};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A joint to be copied, or a single one.
 #[derive(Clone, Debug)]
@@ -140,11 +140,7 @@ pub(crate) fn measured(kind: &mut JointKind, m: Measure, length: f32) {
 
 /// Names of joints: how many bear each, and of which kind they are.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct JointNames {
-    all: BTreeMap<String, Bearers>,
-    /// Joints that gears name.
-    geared: BTreeSet<String>,
-}
+pub(crate) struct JointNames(BTreeMap<String, Bearers>);
 
 /// The joints that bear a name.
 #[derive(Clone, Debug)]
@@ -157,17 +153,11 @@ struct Bearers {
 }
 
 impl JointNames {
-    /// Notes which joints the gears of a list name.
-    pub(crate) fn note_gears(&mut self, all: &[JointSpec]) {
-        let gears = all.iter().filter_map(|j| j.gear.as_ref());
-        let base = |text: &String| text.split('[').next().unwrap_or("").to_string();
-        self.geared.extend(gears.flat_map(|g| [base(&g.a), base(&g.b)]));
-    }
     /// The joints that a text names: `name` (all of them) or `name[n]`.
     pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
-        let known = self.all.keys().map(String::as_str);
-        let mut target = resolve_name("joint", text, known, |name| self.all.get(name).map(|b| b.count))?;
-        if let Some(one) = self.all.get(&target.name).and_then(|b| b.one.as_ref()) {
+        let known = self.0.keys().map(String::as_str);
+        let mut target = resolve_name("joint", text, known, |name| self.0.get(name).map(|b| b.count))?;
+        if let Some(one) = self.0.get(&target.name).and_then(|b| b.one.as_ref()) {
             target.one.clone_from(one);
         }
         Ok(target)
@@ -175,7 +165,7 @@ impl JointNames {
     /// The joints that a text names, all of one kind.
     fn of_one_kind(&self, text: &str) -> Checked<(Target, &'static str)> {
         let target = self.resolve(text)?;
-        let kind = self.all.get(&target.name).map_or("", |b| b.kind);
+        let kind = self.0.get(&target.name).map_or("", |b| b.kind);
         if kind == "ragdoll" {
             let message = format!("\"{text}\" names joints of a ragdoll, each of its own kind");
             return Err(Wrong::new(message, format!("those of one bone, such as {}", target.one)));
@@ -184,7 +174,7 @@ impl JointNames {
     }
     /// How one of those that bear a name is called.
     pub(crate) fn call_one(&mut self, name: &str, one: String) {
-        if let Some(b) = self.all.get_mut(name) {
+        if let Some(b) = self.0.get_mut(name) {
             b.one = Some(one);
         }
     }
@@ -197,7 +187,7 @@ impl JointNames {
     pub(crate) fn add_named(&mut self, name: &str, count: u64, kind: &'static str) -> Checked<()> {
         check_name(name)?;
         let what = |kind| if kind == "ragdoll" { kind } else { "joint" };
-        match self.all.insert(name.into(), Bearers { count, kind, one: None }) {
+        match self.0.insert(name.into(), Bearers { count, kind, one: None }) {
             Some(other) => Err(given_twice(name, what(other.kind), what(kind))),
             None => Ok(()),
         }
@@ -288,7 +278,7 @@ pub(crate) fn find_ends(
             names.resolve(text).and_then(|t| g.find(e, t, own)).key(key)?;
         }
         if let (Some(a), Some(b)) = (&j.a, &j.b) {
-            can_act(a, b, names, g.name.as_ref().is_some_and(|n| joints.geared.contains(n))).key("b")?;
+            can_act(a, b, names).key("b")?;
         }
     }
     let same = (0..g.len()).find(|&n| {
@@ -306,18 +296,15 @@ pub(crate) fn find_ends(
     Ok(())
 }
 
-/// Does a joint move anything? One between bodies that only go as they are told gives at most its coordinate to a gear.
-fn can_act(a: &str, b: &str, names: &Names, geared: bool) -> Checked<()> {
+/// Does a joint move anything? The engine takes one that does not, since a body's type may change there; in a scene it stays.
+fn can_act(a: &str, b: &str, names: &Names) -> Checked<()> {
     let (Some(of_a), Some(of_b)) = (names.unmoved(a), names.unmoved(b)) else { return Ok(()) };
     if (of_a, of_b) == ("fixed", "fixed") {
         let message = format!("\"{b}\" is fixed, as \"{a}\" is");
         return Err(Wrong::new(message, "a body that can move, at one end at least"));
     }
-    if geared {
-        return Ok(());
-    }
     let message = format!("\"{b}\" is {of_b} and \"{a}\" is {of_a}: a joint moves neither");
-    Err(Wrong::new(message, "a dynamic body at one end at least (or a gear that names the joint)"))
+    Err(Wrong::new(message, "a dynamic body at one end at least"))
 }
 
 impl JointGroup {

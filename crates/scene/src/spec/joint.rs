@@ -12,7 +12,7 @@ use serde::Deserialize;
 pub struct JointSpec {
     /// Name for probes, gears and the timeline; with `repeat` the copies are `name[0]`, `name[1]`, ….
     pub name: Option<String>,
-    /// First body, of any type: `name` or `name[n]`. Not for gears.
+    /// First body: `name` or `name[n]`. One of the two is dynamic. Not for gears.
     pub a: Option<String>,
     /// Second body. Not for gears.
     pub b: Option<String>,
@@ -130,7 +130,8 @@ pub struct StiffnessSpec {
     pub damping: Option<f32>,
 }
 
-/// Ends of an axis: m or rad, or degrees.
+/// Ends of an axis: m or rad, or degrees, both in one unit. A hinge, a wheel's spin and the twist of `generic` count their turns: their
+/// ends may be turns apart, and leave room within ±180 degrees. Swings of `generic` and a wheel's steer end within ±90 degrees.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSpec {
