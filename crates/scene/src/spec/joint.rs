@@ -314,9 +314,10 @@ pub struct PulleySpec {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PathSpec {
-    /// Points that the curve (Catmull–Rom) goes through, in the joint's frame, m; 2 to 4096.
+    /// Points that the curve (Catmull–Rom) goes through, in the joint's frame, m; 2 to 4096, none equal to the
+    /// one before.
     pub points: Vec<[f32; 3]>,
-    /// The last point is joined to the first. Default false.
+    /// The last point is joined to the first, which is not written again. Default false.
     pub closed: Option<bool>,
     /// `b` is turned along the curve, y up; otherwise all turns are free. Default false.
     pub aligned: Option<bool>,
