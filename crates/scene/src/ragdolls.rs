@@ -186,7 +186,9 @@ fn entry(r: &RagdollSpec, library: &mut Library, census: &mut Census) -> Checked
     if let Some(name) = &r.name {
         check_name(name)?;
         if name.contains('.') {
-            let expected = "a name without dots: a dot parts it from the name of a bone, as in doll.head";
+            let (plain, bone) = (name.replace('.', "_"), d.bones.first().map_or("", |b| &b.name));
+            let expected =
+                format!("a name without dots: a dot parts it from the name of a bone, as in {plain}.{bone}");
             return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
         }
         let longest = d.bones.iter().map(|b| b.name.len()).max().unwrap_or(0);

@@ -405,7 +405,12 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
         "the bone has no mass; expected a shape that is no sensor",
     ),
     ("ragdoll_bone_of_density_0", 7, "ragdolls[0].bones[0].shapes", "the bone has no mass"),
-    ("ragdoll_with_a_dot", 7, "ragdolls[0].name", "is \"red.doll\"; expected a name without dots"),
+    (
+        "ragdoll_with_a_dot",
+        7,
+        "ragdolls[0].name",
+        "is \"red.doll\"; expected a name without dots: a dot parts it from the name of a bone, as in red_doll.pelvis",
+    ),
     ("ragdoll_name_twice", 7, "ragdolls[1].name", "\"doll\" is given to two ragdolls"),
     ("ragdoll_name_of_a_body", 7, "ragdolls[0].name", "\"cart\" is given to a body and to a ragdoll"),
     ("ragdoll_name_of_a_joint", 8, "joints[0].name", "\"doll\" is given to a ragdoll and to a joint"),
