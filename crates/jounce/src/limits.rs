@@ -41,6 +41,10 @@ pub const JOINTS_PER_BODY_MAX: usize = 1 << 16;
 pub const VEHICLES_MAX: usize = 1 << 16;
 /// Most wheels of a vehicle.
 pub const WHEELS_MAX: usize = 32;
+/// Largest radius and largest width of a wheel, m: more than any that was built.
+pub const WHEEL_SIZE_MAX: f32 = 10.0;
+/// Least distance of two hubs of a vehicle, m.
+pub const WHEELS_APART_MIN: f32 = 1e-3;
 /// Largest part of a vehicle's mass that its wheels may have.
 pub const UNSPRUNG_PART_MAX: f32 = 0.9;
 /// Most points of an engine's torque curve.
@@ -57,6 +61,9 @@ pub const CHARACTER_MOVERS_MAX: usize = 32;
 pub const CHARACTER_PLANES_MAX: usize = 48;
 /// Most hits that a move of a character tells.
 pub const CHARACTER_HITS_MAX: usize = 16;
+/// Farthest that a body may be grabbed from its centre of mass, m; a large body ten of its own radii
+/// ([`crate::World::grab`]).
+pub const GRAB_REACH_MAX: f64 = 10.0;
 /// Most bones of a ragdoll.
 pub const BONES_MAX: usize = 1 << 10;
 /// Most fields in a world.

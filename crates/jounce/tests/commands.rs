@@ -172,6 +172,31 @@ fn a_mass_override_counts_and_goes_back() {
     assert!((body(&w, b).mass() - 2.0).abs() < 1e-6);
 }
 
+/// I_x + I_y = I_z + 2 Σ m z² of all matter.
+#[test]
+fn moments_that_no_matter_has_are_refused() {
+    let (mut w, b) = floating();
+    let mass = |x, y, z| MassProperties {
+        mass: 10.0,
+        center: Vec3::ZERO,
+        inertia: Mat3::from_diagonal(Vec3::new(x, y, z)),
+    };
+    for m in [mass(1.0, 1.0, 100.0), mass(3.0, 1.0, 1.0), mass(0.5, 2.0, 1.0)] {
+        let told = w.set_mass(b, Some(m)).expect_err("refused").to_string();
+        assert!(
+            told.contains("mass.inertia is [[") && told.contains("above the sum of the other two"),
+            "{told}"
+        );
+    }
+    // A turned one, of principal moments 1, 1 and 3.
+    let turned = Mat3::from_columns(Vec3::new(2.0, 1.0, 0.0), Vec3::new(1.0, 2.0, 0.0), Vec3::Z);
+    assert!(w.set_mass(b, Some(MassProperties { inertia: turned, ..mass(1.0, 1.0, 1.0) })).is_err());
+    // A plate, a rod, and numbers of two digits.
+    for m in [mass(1.0, 2.0, 3.0), mass(1e-3, 1.0, 1.0), mass(0.33, 0.33, 0.665)] {
+        w.set_mass(b, Some(m)).expect("valid");
+    }
+}
+
 #[test]
 fn locks_damping_and_gravity_scale() {
     let (mut w, b) = floating();

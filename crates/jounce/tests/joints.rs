@@ -666,6 +666,69 @@ fn jointed_worlds_have_the_same_bits_on_any_thread_count_and_as_clones() {
     assert!(one.joints().any(|j| one.joint(j).unwrap().is_broken()));
 }
 
+/// A steering wheel goes round more than once from end to end.
+#[test]
+fn ends_of_a_hinge_may_be_turns_apart() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let a = anchor(&mut w);
+    let b = rod_body(&mut w, [0.0; 3], [0.5, 0.1, 0.1], 1.0);
+    let hinge = JointDesc::hinge(a, b, [0.0; 3], Vec3::Z).limited(-7.0, 7.0);
+    let j = w.add_joint(hinge.motor(MotorDesc::velocity(4.0, 10.0))).unwrap();
+    run(&mut w, 3.0);
+    let angle = w.joint(j).unwrap().coordinate();
+    assert!((angle - 7.0).abs() < 0.02, "{angle}");
+}
+
+#[test]
+fn ends_that_no_body_reaches_are_refused() {
+    let mut w = world();
+    let a = anchor(&mut w);
+    let b = ball(&mut w, [0.0; 3], 0.1, 1.0);
+    let beyond = AxisDesc::FREE.limited(3.5, 7.0);
+    let swung = AxisDesc::FREE.limited(-1.0, 2.0);
+    let wheel = |spin, steer| JointKind::Wheel { suspension: AxisDesc::LOCKED, spin, steer };
+    let turned = |angular| JointKind::Generic { linear: [AxisDesc::LOCKED; 3], angular };
+    let free = AxisDesc::FREE;
+    let room = "expected ends that leave room within ±π rad";
+    let swing = "expected within ±π/2 rad, where a swing is measured";
+    for (kind, part) in [
+        (JointKind::Hinge(beyond), room),
+        (JointKind::Hinge(free.limited(-7.0, -3.5)), room),
+        (wheel(beyond, AxisDesc::LOCKED), room),
+        (turned([beyond, free, free]), room),
+        (wheel(free, swung), swing),
+        (turned([free, swung, free]), swing),
+        (turned([free, free, swung]), swing),
+    ] {
+        let told = w.add_joint(JointDesc::ball(a, b, [0.0; 3]).kind(kind.clone())).expect_err("refused");
+        assert!(told.to_string().contains(part), "{kind:?}: {told}");
+    }
+    w.add_joint(JointDesc::ball(a, b, [0.0; 3]).kind(turned([swung, free.limited(-1.5, 1.5), free])))
+        .unwrap();
+}
+
+#[test]
+fn equal_points_of_a_path_are_named() {
+    let mut w = world();
+    let a = anchor(&mut w);
+    let b = ball(&mut w, [0.0; 3], 0.1, 1.0);
+    let mut told = |points: &[[f32; 3]], closed| {
+        let points = points.iter().map(|p| Vec3::from(*p)).collect();
+        let path = PathDesc { points, closed, aligned: false, axis: AxisDesc::FREE };
+        let d = JointDesc::ball(a, b, [0.0; 3]).kind(JointKind::Path(Box::new(path)));
+        w.add_joint(d).map_or_else(|e| e.to_string(), |_| String::new())
+    };
+    let (o, x, y) = ([0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]);
+    let text = told(&[o, x, x, y], false);
+    assert!(
+        text.contains("points is [1.0, 0.0, 0.0] at both points[1] and points[2], expected points that"),
+        "{text}"
+    );
+    let text = told(&[o, x, y, o], true);
+    assert!(text.contains("at both points[3] and points[0]") && text.contains("goes back"), "{text}");
+    assert_eq!((told(&[o, x, y, o], false), told(&[o, x, y], true)), (String::new(), String::new()));
+}
+
 #[test]
 fn bad_joints_are_refused_by_name() {
     let mut w = world();

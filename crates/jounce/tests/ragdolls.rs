@@ -5,7 +5,7 @@
 use jounce::geometry::HeightField;
 use jounce::math::scalar::{f32s, f64s};
 use jounce::prelude::*;
-use jounce::{BoneJointKind, BonePose, PoseDrive, Ragdoll, RagdollDesc, blend_poses};
+use jounce::{BoneJointKind, BonePose, MassSpec, PoseDrive, Ragdoll, RagdollDesc, blend_poses};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -379,6 +379,15 @@ fn bad_ragdolls_are_refused_by_name() {
     refused(&mut w, &with(&|d| d.bones[5].rest.p.x = f32::INFINITY), "rest");
     let cone = BoneJointKind::Ball { cone: -1.0, twist: [0.0, 0.0] };
     refused(&mut w, &with(&|d| d.bones[13].joint.as_mut().unwrap().kind = cone), "cone");
+    for mass in [MassSpec::Mass(0.0), MassSpec::Density(0.0)] {
+        refused(
+            &mut w,
+            &with(&|d| d.bones[5].shapes.iter_mut().for_each(|s| s.mass = mass)),
+            "of bone \"head\"",
+        );
+    }
+    refused(&mut w, &with(&|d| d.bones[5].shapes.iter_mut().for_each(|s| s.sensor = true)), "shapes");
+    refused(&mut w, &with(&|d| d.bones[5].shapes.clear()), "shapes");
     let doll = w.add_ragdoll(&RagdollDesc::human()).unwrap();
     assert!(doll.drive(&mut w, &[], &PoseDrive::default(), &[]).is_err());
     assert!(doll.lead(&mut w, &[]).is_err() && doll.set_led(&mut w, 99, true).is_err());
@@ -386,7 +395,18 @@ fn bad_ragdolls_are_refused_by_name() {
     assert!(w.grab(doll.bodies[0], nan, SpringDesc::hertz(1.0, 1.0), 1.0).is_err());
     let bodies = w.counts().bodies;
     assert!(w.grab(doll.bodies[0], DVec3::ZERO, SpringDesc::hertz(-1.0, 1.0), 1.0).is_err());
+    let head = w.body(doll.bodies[5]).unwrap().position();
+    for away in [10.5, 1e6] {
+        let told = w.grab(doll.bodies[5], head + DVec3::X * away, SpringDesc::hertz(1.0, 1.0), 1.0);
+        let told = told.expect_err("too far").to_string();
+        assert!(told.contains("grab: point is 1") && told.contains("expected within 10 m, or ten"), "{told}");
+    }
     assert_eq!(w.counts().bodies, bodies);
+    let ship = BodyDesc::dynamic().shape(ShapeDesc::cuboid([5.0, 5.0, 150.0]));
+    let ship = w.add_body(ship.at([0.0, 0.0, 500.0])).unwrap();
+    let bow = w.grab(ship, DVec3::new(0.0, 0.0, 650.0), SpringDesc::hertz(1.0, 1.0), 1.0).unwrap();
+    w.let_go(bow).unwrap();
+    w.remove_body(ship).unwrap();
     w.remove_ragdoll(&doll).unwrap();
     assert!(w.remove_ragdoll(&doll).is_err() && doll.poses(&w).is_err());
 }

@@ -577,6 +577,10 @@ fn bad_descriptions_are_refused_by_name() {
     refused(&|v| v.forward = Vec3::ZERO, "forward");
     refused(&|v| v.up = Vec3::Z, "up");
     refused(&|v| v.wheels[0].radius = f32::NAN, "radius");
+    refused(&|v| v.wheels[0].radius = 10.1, "radius");
+    refused(&|v| v.wheels[0].width = 10.1, "width");
+    refused(&|v| v.wheels[1].position = v.wheels[0].position, "wheel position");
+    refused(&|v| v.board = vehicles::snowboard().vehicle.board, "wheels");
     refused(&|v| v.wheels[1].mass = 0.0, "mass");
     refused(&|v| v.wheels[1].tyre.kinetic_friction = 2.0, "kinetic_friction");
     refused(

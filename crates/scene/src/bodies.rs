@@ -58,18 +58,26 @@ impl Group {
         &self.templates[n % self.templates.len()]
     }
 
+    /// What a body of a name is, where the name is the group's or that of a template.
+    pub(crate) fn desc_of(&self, t: &Target) -> Option<&BodyDesc> {
+        if self.name.as_ref() == Some(&t.name) {
+            return Some(&self.template(t.index.unwrap_or(0)).desc);
+        }
+        self.templates.iter().map(|x| &x.desc).find(|d| d.name.as_ref() == Some(&t.name))
+    }
+
     /// The names that the group gives, and who bears each; `times` is how often it is made.
     pub(crate) fn names(&self, times: u64) -> Checked<Vec<(String, Bearers)>> {
         let mut names = Vec::new();
         let all = (self.len() as u64).saturating_mul(times);
         let kinds = || self.templates.iter().map(|t| t.desc.kind).collect();
-        names.extend(self.name.iter().map(|n| (n.clone(), Bearers { count: all, kinds: kinds() })));
+        names.extend(self.name.iter().map(|n| (n.clone(), Bearers::new(all, kinds()))));
         if self.templates.len() > 1 || !self.single {
             let each = self.templates.len() as u64;
             for (t, template) in self.templates.iter().enumerate() {
                 let own = template.desc.name.iter().filter(|n| Some(*n) != self.name.as_ref());
                 let count = (all + each - 1 - t as u64) / each;
-                names.extend(own.map(|n| (n.clone(), Bearers { count, kinds: vec![template.desc.kind] })));
+                names.extend(own.map(|n| (n.clone(), Bearers::new(count, vec![template.desc.kind]))));
             }
         }
         Ok(names)
@@ -143,12 +151,36 @@ impl Census {
 pub(crate) struct Bearers {
     count: u64,
     kinds: Vec<BodyKind>,
+    /// What they are: "body", "vehicle", ….
+    what: &'static str,
+    /// How one of several is called, where that is not `name[0]`.
+    one: Option<String>,
 }
 
 impl Bearers {
     pub(crate) fn new(count: u64, kinds: Vec<BodyKind>) -> Self {
-        Self { count, kinds }
+        Self { count, kinds, what: "body", one: None }
     }
+    /// What they are.
+    pub(crate) fn of(mut self, what: &'static str) -> Self {
+        self.what = what;
+        self
+    }
+    /// How one of them is called.
+    pub(crate) fn one(mut self, one: String) -> Self {
+        self.one = Some(one);
+        self
+    }
+}
+
+/// A name that two things want.
+pub(crate) fn given_twice(name: &str, first: &str, second: &str) -> Wrong {
+    let whom = match second {
+        _ if first != second => format!("a {first} and to a {second}"),
+        "body" => "two bodies".into(),
+        _ => format!("two {second}s"),
+    };
+    Wrong::new(format!("\"{name}\" is given to {whom}"), "a name of its own").key("name")
 }
 
 /// Names of bodies and who bears each.
@@ -158,23 +190,32 @@ pub(crate) struct Names(BTreeMap<String, Bearers>);
 impl Names {
     pub(crate) fn add(&mut self, name: &str, bearers: Bearers) -> Checked<()> {
         check_name(name)?;
-        if self.0.insert(name.into(), bearers).is_some() {
-            return Err(
-                Wrong::new(format!("\"{name}\" is given to two bodies"), "a name of its own").key("name")
-            );
+        let what = bearers.what;
+        match self.0.insert(name.into(), bearers) {
+            Some(other) => Err(given_twice(name, other.what, what)),
+            None => Ok(()),
         }
-        Ok(())
     }
 
     /// The bodies that a text names: `name` (all of them) or `name[n]`.
     pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
         let known = self.0.keys().map(String::as_str);
-        resolve_name("body", text, known, |name| self.0.get(name).map(|b| b.count))
+        let mut target = resolve_name("body", text, known, |name| self.0.get(name).map(|b| b.count))?;
+        if let Some(one) = self.0.get(&target.name).and_then(|b| b.one.as_ref()) {
+            target.one.clone_from(one);
+        }
+        Ok(target)
     }
 
-    /// Are all bodies that a text names fixed?
-    pub(crate) fn are_fixed(&self, text: &str) -> bool {
-        self.resolve_only(text, &[BodyKind::Fixed], "").is_ok()
+    /// "fixed" or "kinematic" where no body that a text names is moved by joints.
+    pub(crate) fn unmoved(&self, text: &str) -> Option<&'static str> {
+        let only = |kinds: &[BodyKind]| self.resolve_only(text, kinds, "").is_ok();
+        match () {
+            () if only(&[BodyKind::Fixed]) => Some("fixed"),
+            () if only(&[BodyKind::Kinematic]) => Some("kinematic"),
+            () if only(&[BodyKind::Fixed, BodyKind::Kinematic]) => Some("fixed or kinematic"),
+            () => None,
+        }
     }
 
     /// The bodies that a text names, all of which must be of these kinds; `expected` says so.
@@ -229,7 +270,10 @@ pub(crate) fn resolve_name<'a>(
         Some(n) if n as u64 >= all => {
             Err(Wrong::new(format!("\"{text}\" is not there"), format!("{name}[0] to {name}[{}]", all - 1)))
         }
-        _ => Ok(Target { name: name.into(), index, count: if index.is_some() { 1 } else { all }, all }),
+        _ => {
+            let (count, one) = (if index.is_some() { 1 } else { all }, format!("{name}[0]"));
+            Ok(Target { name: name.into(), index, count, all, one })
+        }
     }
 }
 
@@ -242,6 +286,8 @@ pub(crate) struct Target {
     pub count: u64,
     /// How many bear the name.
     pub all: u64,
+    /// How one of them is called.
+    pub one: String,
 }
 
 /// One entry of `bodies`: a body, or a grid of them.
@@ -305,7 +351,7 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
                 "at least one shape, or mass_properties",
             ));
         }
-        if masses(&d).iter().all(|m| *m <= 0.0) {
+        if masses(&d.shapes).iter().all(|m| *m <= 0.0) {
             return Err(Wrong::new(
                 "the dynamic body has no mass",
                 "a shape that is no sensor, with density or mass above 0, or mass_properties",
@@ -317,13 +363,13 @@ fn template(b: &BodySpec, library: &mut Library) -> Checked<Template> {
 }
 
 /// What each shape weighs, kg.
-fn masses(d: &BodyDesc) -> Vec<f32> {
+pub(crate) fn masses(shapes: &[ShapeDesc]) -> Vec<f32> {
     let mass = |s: &ShapeDesc| match s.mass {
         _ if s.sensor => 0.0,
         MassSpec::Mass(m) => m,
         MassSpec::Density(x) => s.shape.mass_properties(x).map_or(0.0, |p| p.mass),
     };
-    d.shapes.iter().map(mass).collect()
+    shapes.iter().map(mass).collect()
 }
 
 /// Scales the shapes' masses to a sum.
@@ -331,7 +377,7 @@ fn scale_mass(d: &mut BodyDesc, total: f32) -> Checked<()> {
     if !(jounce::limits::MASS_MIN..=jounce::limits::MASS_MAX).contains(&total) {
         return Err(Wrong::new(format!("is {total}"), "a positive mass, 1e-12 to 1e15 kg"));
     }
-    let own = masses(d);
+    let own = masses(&d.shapes);
     let sum: f32 = own.iter().sum();
     if !(sum > 0.0 && sum.is_finite()) {
         return Err(Wrong::new(

@@ -80,7 +80,7 @@ pub(crate) fn characters(
         census.add(count - g.group.len() as u64, 1).index(i).key("characters")?;
         if let Some(name) = &g.group.name {
             let kind = g.group.templates[0].desc.kind;
-            let bearers = Bearers::new(count, vec![kind]);
+            let bearers = Bearers::new(count, vec![kind]).of("character");
             names.add(name, bearers).index(i).key("characters")?;
             character_names.0.insert(name.clone(), count);
         }

@@ -57,7 +57,7 @@ fn entry(e: &EmitterSpec, library: &mut Library, names: &Names) -> Checked<Emitt
         && b.count > 1
     {
         let message = format!("names {} bodies", b.count);
-        return Err(Wrong::new(message, format!("one, such as {}[0]", b.name)).key("body"));
+        return Err(Wrong::new(message, format!("one, such as {}", b.one)).key("body"));
     }
     for d in &mut descs {
         if e.preset.is_some() {

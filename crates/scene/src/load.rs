@@ -9,8 +9,8 @@ use crate::joints::{JointGroup, JointNames, find_ends, group as joint_group};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
 use crate::plan::{
-    Cast, Entry, Expect, Look, Made, Movers, Named, Sources, expects, made, probes, step_at, step_from,
-    timeline,
+    Action, Cast, Entry, Expect, Look, Made, Movers, Named, Sources, expects, made, probes, step_at,
+    step_from, timeline,
 };
 use crate::ragdolls::RagdollGroup;
 use crate::read::read;
@@ -18,7 +18,7 @@ use crate::shapes::{Library, settings};
 use crate::spec::{SceneSpec, TrailsSpec, VehicleSpec};
 use crate::systems::{System, systems};
 use crate::vehicles::{Chassis, VehicleGroup};
-use jounce::math::Vec3;
+use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{World, WorldDesc};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -196,6 +196,7 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         ragdolls: (&cast.ragdolls.1, &cast.ragdolls.0),
     };
     let timeline = timeline(&spec.timeline, made, &named, &sources)?;
+    within_reach(&timeline, &groups, &cast)?;
     let probes = probes(&spec.probes, &named, &sources)?;
     let expects = expects(&spec.expect, &probes, world.rate_hz)?;
     within(&spec, world.rate_hz)?;
@@ -315,6 +316,31 @@ fn carried(
     Ok(())
 }
 
+/// Grabs every body of the timeline once where its description is at hand: a point far off it is told with its place.
+fn within_reach(timeline: &[Entry], groups: &[Group], cast: &Cast) -> Checked<()> {
+    let spawned = timeline.iter().filter_map(|t| match &t.action {
+        Action::Spawn(groups, ..) => Some(groups),
+        _ => None,
+    });
+    let own = cast.vehicles.0.iter().filter_map(|v| match &v.chassis {
+        Chassis::Own(g) => Some(g),
+        Chassis::Of(_) => None,
+    });
+    let all: Vec<&Group> = groups.iter().chain(spawned.flatten()).chain(own).collect();
+    for (n, t) in timeline.iter().enumerate() {
+        let Action::Grab(hold) = &t.action else { continue };
+        let of_group = || all.iter().find_map(|g| g.desc_of(&hold.body)).cloned();
+        let of_doll = || cast.ragdolls.0.iter().find_map(|d| d.desc_of(&hold.body));
+        let Some(mut desc) = of_group().or_else(of_doll) else { continue };
+        let mut world = World::new(WorldDesc::default())?;
+        (desc.position, desc.rotation) = (DVec3::ZERO, Quat::IDENTITY);
+        let body = world.add_body(desc)?;
+        let grabbed = world.grab(body, hold.point.as_dvec3(), hold.spring, hold.max_force);
+        grabbed.map_err(Wrong::from).key("grab").index(n).key("timeline")?;
+    }
+    Ok(())
+}
+
 fn try_one(world: &mut World, g: &Group, template: usize) -> Checked<()> {
     let added = world.add_body(g.templates[template].desc.clone())?;
     world.remove_body(added)?;
@@ -356,7 +382,7 @@ fn looks(spec: &SceneSpec, names: &Names) -> Checked<()> {
         let target = names.resolve(body).key("follow").key("camera")?;
         if target.count > 1 {
             let message = format!("names {} bodies", target.count);
-            return Err(Wrong::new(message, format!("one, such as {}[0]", target.name))
+            return Err(Wrong::new(message, format!("one, such as {}", target.one))
                 .key("follow")
                 .key("camera"));
         }

@@ -372,7 +372,7 @@ fn of_joint(p: &ProbeSpec, name: &str, joints: &JointNames) -> Checked<Look> {
 pub(crate) fn alone(target: &Target, aggregate: Option<AggregateSpec>, what: &str) -> Checked<()> {
     if target.count > 1 && aggregate.is_none() {
         let message = format!("names {} {what}", target.count);
-        let expected = format!("one, such as {}[0], or an aggregate (min, max, mean, …)", target.name);
+        let expected = format!("one, such as {}, or an aggregate (min, max, mean, …)", target.one);
         return Err(Wrong::new(message, expected));
     }
     Ok(())

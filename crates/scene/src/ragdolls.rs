@@ -1,6 +1,8 @@
 //! Ragdolls of a scene file: their bones, checked, the poses that drive them, and hands that hold bodies.
 
-use crate::bodies::{Census, Group, Names, Place, Target, Template, check_name, color, grid, resolve_name};
+use crate::bodies::{
+    Bearers, Census, Group, Names, Place, Target, Template, check_name, color, grid, masses, resolve_name,
+};
 use crate::error::{Checked, Under, Wrong};
 use crate::joints::{JointNames, frame, stiffness};
 use crate::plan::Named;
@@ -52,6 +54,16 @@ impl RagdollGroup {
             b.name = if self.single { own } else { format!("{own}[{n}]") };
         }
         d
+    }
+    /// What a bone of a name is.
+    pub(crate) fn desc_of(&self, t: &Target) -> Option<BodyDesc> {
+        let bone = match self.name.as_ref()? == &t.name {
+            true => Some(t.index.unwrap_or(0) % self.bones()),
+            false => (0..self.bones()).find(|&i| self.bone_name(i).as_ref() == Some(&t.name)),
+        };
+        let mut desc = BodyDesc::dynamic();
+        desc.shapes.clone_from(&self.desc.bones[bone?].shapes);
+        Some(desc)
     }
     /// "doll.head", for bone `i`.
     pub(crate) fn bone_name(&self, i: usize) -> Option<String> {
@@ -125,9 +137,15 @@ pub(crate) fn ragdolls(
         g.collision_group = r.group.unwrap_or(-1_000_000 - ragdoll_names.groups);
         ragdoll_names.groups += g.len() as i32 * times as i32;
         if let Some(name) = &g.name {
+            let all = g.len() as u64 * times;
+            let first = g.bone_name(0).map(|b| if all > 1 { format!("{b}[0]") } else { b });
+            let bearers = |n: &str, b: Bearers| match &first {
+                Some(first) if n == name => b.of("ragdoll").one(first.clone()),
+                _ => b.of("bone of a ragdoll"),
+            };
             let bodies = g.bodies.names(times);
             bodies
-                .and_then(|n| n.into_iter().try_for_each(|(n, b)| named.bodies.add(&n, b)))
+                .and_then(|n| n.into_iter().try_for_each(|(n, b)| named.bodies.add(&n, bearers(&n, b))))
                 .and_then(|()| name_joints(&g, name, times, named.joints))
                 .index(i)
                 .key("ragdolls")?;
@@ -149,7 +167,11 @@ fn name_joints(g: &RagdollGroup, name: &str, times: u64, joints: &mut JointNames
         };
         joints.add_named(&format!("{name}.{bone}"), n, kind)?;
     }
-    joints.add_named(name, n * jointed.len() as u64, "ragdoll")
+    joints.add_named(name, n * jointed.len() as u64, "ragdoll")?;
+    if let Some((bone, _)) = jointed.first() {
+        joints.call_one(name, if n > 1 { format!("{name}.{bone}[0]") } else { format!("{name}.{bone}") });
+    }
+    Ok(())
 }
 
 fn entry(r: &RagdollSpec, library: &mut Library, census: &mut Census) -> Checked<RagdollGroup> {
@@ -163,6 +185,12 @@ fn entry(r: &RagdollSpec, library: &mut Library, census: &mut Census) -> Checked
     };
     if let Some(name) = &r.name {
         check_name(name)?;
+        if name.contains('.') {
+            let (plain, bone) = (name.replace('.', "_"), d.bones.first().map_or("", |b| &b.name));
+            let expected =
+                format!("a name without dots: a dot parts it from the name of a bone, as in {plain}.{bone}");
+            return Err(Wrong::new(format!("is {name:?}"), expected).key("name"));
+        }
         let longest = d.bones.iter().map(|b| b.name.len()).max().unwrap_or(0);
         check_name(&format!("{name}.{}", "x".repeat(longest)))?;
     }
@@ -249,6 +277,10 @@ fn bone(b: &BoneSpec, before: &[BoneDesc], all: &[BoneSpec], library: &mut Libra
     }
     if shapes.is_empty() {
         return Err(Wrong::new("the bone has no shapes", "at least one, with mass or density").key("shapes"));
+    }
+    if masses(&shapes).iter().all(|m| *m <= 0.0) {
+        let expected = "a shape that is no sensor, with density or mass above 0";
+        return Err(Wrong::new("the bone has no mass", expected).key("shapes"));
     }
     let joint = match (&b.parent, &b.joint) {
         (None, None) => None,
@@ -396,7 +428,7 @@ pub(crate) fn grab(s: &GrabSpec, times: u64, census: &mut Census, names: &mut Na
         single: times == 1,
     };
     hand.names(times)
-        .and_then(|all| all.into_iter().try_for_each(|(n, b)| names.add(&n, b)))
+        .and_then(|all| all.into_iter().try_for_each(|(n, b)| names.add(&n, b.of("hand"))))
         .map_err(|w| w.renamed("hand"))?;
     census.add(times, 0)?;
     census.joints(times)?;
@@ -411,7 +443,7 @@ pub(crate) fn grab(s: &GrabSpec, times: u64, census: &mut Census, names: &mut Na
         );
     }
     Ok(Hold {
-        body: Target { name: String::new(), index: None, count: 0, all: 0 },
+        body: Target { name: String::new(), index: None, count: 0, all: 0, one: String::new() },
         point: Vec3::from_array(p),
         spring: spring_or(s.spring.as_ref(), SpringDesc::hertz(5.0, 1.0))?,
         max_force,
@@ -424,7 +456,7 @@ pub(crate) fn held(s: &GrabSpec, names: &Names) -> Checked<Target> {
     let target = names.resolve_only(&s.body, &[BodyKind::Dynamic], "a dynamic body").key("body")?;
     if target.count > 1 {
         let message = format!("names {} bodies", target.count);
-        return Err(Wrong::new(message, format!("one, such as {}[0]", target.name)).key("body"));
+        return Err(Wrong::new(message, format!("one, such as {}", target.one)).key("body"));
     }
     Ok(target)
 }

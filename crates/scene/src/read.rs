@@ -72,17 +72,37 @@ fn explain(e: &serde_path_to_error::Error<serde_json::Error>) -> Wrong {
         };
         return Wrong::at(path, format!("the key `{key}` is missing"), expected);
     }
+    if message == "trailing characters" {
+        // The file is sound JSON by now: it is an array that goes on.
+        let expected = found(&path.0).map_or_else(|| "fewer".into(), |n| kind_of(&n));
+        return Wrong::at(path, "the array is too long", expected);
+    }
     Wrong::at(path, plain(message), plain(expected))
 }
 
 /// What the schema says of a key of the object at a path.
 fn wanted(path: &[Segment], key: &str) -> String {
-    let schema = serde_json::to_value(schemars::schema_for!(SceneSpec)).unwrap_or_default();
     let mut whole: Vec<Segment> = path.to_vec();
     whole.push(Segment::Key(key.into()));
-    let Some(found) = walk(&schema, &schema, &whole) else { return format!("\"{key}\": a value") };
+    let Some(found) = found(&whole) else { return format!("\"{key}\": a value") };
+    let what = kind_of(&found);
+    match found["description"].as_str().and_then(|d| d.lines().next()) {
+        Some(d) => format!("{what} ({})", d.trim_end_matches('.')),
+        None => what,
+    }
+}
+
+/// The schema of what is at a path.
+fn found(path: &[Segment]) -> Option<Value> {
+    let schema = serde_json::to_value(schemars::schema_for!(SceneSpec)).unwrap_or_default();
+    walk(&schema, &schema, path).cloned()
+}
+
+/// The kind of value that a schema describes.
+fn kind_of(found: &Value) -> String {
     let size = |name: &str| found[name].as_u64();
-    let what = match found["type"].as_str() {
+    let type_of = |t: &Value| t.as_str().or_else(|| t[0].as_str()).map(String::from);
+    match type_of(&found["type"]).as_deref() {
         Some("number") => "a number".to_string(),
         Some("integer") => "a whole number".into(),
         Some("string") => "a text".into(),
@@ -92,10 +112,6 @@ fn wanted(path: &[Segment], key: &str) -> String {
             _ => "an array".into(),
         },
         _ => "a value".into(),
-    };
-    match found["description"].as_str().and_then(|d| d.lines().next()) {
-        Some(d) => format!("{what} ({})", d.trim_end_matches('.')),
-        None => what,
     }
 }
 

@@ -563,8 +563,9 @@ impl Simulation {
             .push(format!("timeline[{entry}]: {what} not there at t = {t:.6} s; it was left out"));
     }
 
-    /// What of these is there; the rest is counted as gone.
+    /// What of these is there; the rest is counted as gone, and what was not made yet as one.
     fn there<T: Copy>(&mut self, all: &[T], is: impl Fn(&World, T) -> bool) -> Vec<T> {
+        self.gone += usize::from(all.is_empty());
         let there: Vec<T> = all.iter().copied().filter(|x| is(&self.world, *x)).collect();
         self.gone += all.len() - there.len();
         there
@@ -589,6 +590,10 @@ impl Simulation {
                 let until = now + steps(*duration);
                 if push.force.is_some() || push.torque.is_some() {
                     self.active.push(Active::Push { until, target: target.clone(), push: *push });
+                    if push.impulse.is_none() && push.angular_impulse.is_none() {
+                        // Whom it does not find is told now, as of the others: it goes on apart from its entry.
+                        let _ = self.poses(target);
+                    }
                 }
                 let impulse = push.impulse.map(|j| move |b| Command::AddImpulse(b, j, push.at));
                 if let Some(impulse) = impulse {
@@ -623,12 +628,13 @@ impl Simulation {
             Action::Enable(target, on) => self.each(target, |b| Command::SetBodyEnabled(b, *on)),
             Action::Explode(e) => self.apply(Command::Explode(*e)),
             Action::Emit(n, count) => {
-                self.emitters_of(*n).into_iter().try_for_each(|e| self.apply(Command::EmitBurst(e, *count)))
+                let there = self.emitters_of(*n);
+                there.into_iter().try_for_each(|e| self.apply(Command::EmitBurst(e, *count)))
             }
-            Action::SetEmitter(n, on) => self
-                .emitters_of(*n)
-                .into_iter()
-                .try_for_each(|e| self.apply(Command::SetEmitterEnabled(e, *on))),
+            Action::SetEmitter(n, on) => {
+                let there = self.emitters_of(*n);
+                there.into_iter().try_for_each(|e| self.apply(Command::SetEmitterEnabled(e, *on)))
+            }
             Action::Cut(target) => self.each_joint(target, |j, _| Command::RemoveJoint(j)),
             Action::EnableJoint(target, on) => {
                 self.each_joint(target, |j, _| Command::SetJointEnabled(j, *on))
@@ -676,6 +682,7 @@ impl Simulation {
     /// Ragdolls without the joints that are gone: what is left of a doll goes on.
     fn left_of(&mut self, target: &Target) -> Vec<Ragdoll> {
         let mut dolls = self.ragdolls.of(target).to_vec();
+        self.gone += usize::from(dolls.is_empty());
         for doll in &mut dolls {
             for joint in &mut doll.joints {
                 if joint.is_some_and(|j| self.world.joint(j).is_err()) {
@@ -703,9 +710,11 @@ impl Simulation {
     }
 
     /// Handles of an entry of `emitters` that are still there: some remove themselves when they have ended.
-    fn emitters_of(&self, n: usize) -> Vec<EmitterId> {
+    fn emitters_of(&mut self, n: usize) -> Vec<EmitterId> {
         let all = self.emitters.get(n).map_or(&[][..], Vec::as_slice);
-        all.iter().copied().filter(|e| self.world.emitter(*e).is_ok()).collect()
+        let there: Vec<_> = all.iter().copied().filter(|e| self.world.emitter(*e).is_ok()).collect();
+        self.gone += usize::from(there.is_empty());
+        there
     }
 
     /// Adds the scene's fields, in the order of the file.

@@ -82,6 +82,20 @@ fn actions_cut_drive_and_switch_joints_and_probes_see_it() {
     assert!(v[0].is_nan() && v[5] == 0.0 && v[6] == 1.0, "{v:?}");
 }
 
+/// A hinge counts its turns: its ends may be more than one apart.
+#[test]
+fn a_steering_wheel_ends_beyond_a_turn() {
+    let s = run(
+        r#"{"jounce": 1, "gravity": [0, 0, 0], "bodies": [{"name": "post", "type": "fixed"},
+            {"name": "wheel", "type": "dynamic", "shapes": [{"cylinder": {"half_height": 0.1, "radius": 0.5}}]}],
+          "joints": [{"name": "column", "a": "post", "b": "wheel", "at": [0, 0, 0], "axis": [0, 1, 0],
+             "hinge": {"limit": {"min_deg": -400, "max_deg": 400}, "motor": {"velocity": 5, "max_force": 100}}}],
+          "probes": {"angle": {"joint": "column", "value": "coordinate_deg"}}}"#,
+        3.0,
+    );
+    assert!((s.values()[0] - 400.0).abs() < 1.0, "{:?}", s.values());
+}
+
 #[test]
 fn breaks_are_counted() {
     let s = run(

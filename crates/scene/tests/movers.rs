@@ -238,6 +238,53 @@ fn actions_leave_out_what_is_gone_and_say_so_once() {
 }
 
 #[test]
+fn actions_on_what_is_not_made_yet_say_so_once() {
+    let mut s = start(
+        r#""emitters": [{"name": "puff", "preset": "dust"}],
+        "timeline": [{"at": 0.1, "every": 0.1, "times": 2, "move_to": {"body": "mouse", "position": [1, 1, 0]}},
+            {"at": 0.1, "push": {"body": "ball", "force": [1, 0, 0], "duration": 0.1}},
+            {"at": 0.1, "drive": {"vehicle": "car", "throttle": 1}},
+            {"at": 0.1, "walk": {"character": "hero", "velocity": [1, 0, 0]}},
+            {"at": 0.1, "pose": {"ragdoll": "doll"}},
+            {"at": 0.1, "cut": {"joint": "pin"}},
+            {"at": 0.5, "spawn": {"bodies": [{"name": "ball", "type": "dynamic", "position": [5, 5, 5], "shapes": [{"sphere": {"radius": 0.1}}]}],
+                "joints": [{"name": "pin", "a": "ground", "b": "ball", "at": [5, 5, 5], "ball": {}}],
+                "vehicles": [{"name": "car", "preset": "car"}], "characters": [{"name": "hero", "position": [-5, 0.02, 0]}],
+                "ragdolls": [{"name": "doll", "preset": "human", "position": [-9, 2, 0]}]}},
+            {"at": 0.6, "grab": {"body": "ball", "hand": "mouse", "point": [0, 9, 0]}},
+            {"at": 0.7, "move_to": {"body": "mouse", "position": [5, 14, 0]}},
+            {"at": 0.7, "push": {"body": "ball", "force": [1, 0, 0], "duration": 0.1}},
+            {"at": 0.9, "emit": {"emitter": "puff", "count": 3}},
+            {"at": 3.8, "emit": {"emitter": "puff", "count": 3}}]"#,
+    );
+    run(&mut s, 4.0);
+    let mut entries: Vec<&str> = s.warnings().iter().filter_map(|w| w.split(':').next()).collect();
+    entries.sort_unstable();
+    let mut expected: Vec<String> = (0..6).map(|n| format!("timeline[{n}]")).collect();
+    // The dust of entry 10 has settled, and its emitter with it.
+    expected.push("timeline[11]".into());
+    expected.sort_unstable();
+    assert_eq!(entries, expected, "{:?}", s.warnings());
+    assert!(s.warnings().iter().all(|w| w.contains(": one thing that it means was not there at t = ")));
+}
+
+/// The bow of a ship is far from its middle, and near by its size.
+#[test]
+fn large_bodies_are_grabbed_at_their_ends() {
+    let ship = r#"{"name": "ship", "type": "dynamic", "position": [0, 9, 0], "shapes": [{"box": {"half": [150, 4, 4]}}]}"#;
+    let text = |x: u32| {
+        format!(
+            r#"{{"jounce": 1, "bodies": [{GROUND}, {ship}],
+            "timeline": [{{"at": 0.1, "grab": {{"body": "ship", "hand": "mouse", "point": [{x}, 0, 0]}}}}]}}"#
+        )
+    };
+    let load = |x| Scene::from_str(&text(x), "ship.json", &LoadOptions::default());
+    assert!(load(150).is_ok());
+    let told = load(1600).expect_err("far off").to_string();
+    assert!(told.contains("timeline[0].grab.point: is 1600 m away"), "{told}");
+}
+
+#[test]
 fn spawn_makes_vehicles_characters_and_ragdolls() {
     let mut s = start(
         r#""timeline": [{"at": 0.5, "every": 0.5, "times": 3, "spawn": {

@@ -15,10 +15,12 @@ use jounce::{
     AxisDesc, BallDesc, BallMotor, BodyId, JointDesc, JointId, JointKind, LimitDesc, MotorDesc, MotorTarget,
     PathDesc, SpringDesc,
 };
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// The kinds that an entry gives.
 pub(super) struct Kinds<'a> {
+    /// Those that the entry may give.
+    keys: &'static [&'static str],
     fixed: bool,
     ball: Option<&'a BallJointSpec>,
     hinge: Option<&'a AxisSpec>,
@@ -35,6 +37,7 @@ pub(super) struct Kinds<'a> {
 impl<'a> Kinds<'a> {
     pub(super) fn of(j: &'a JointSpec) -> Self {
         Self {
+            keys: &KIND_KEYS,
             fixed: j.fixed.is_some(),
             ball: j.ball.as_deref(),
             hinge: j.hinge.as_deref(),
@@ -50,6 +53,7 @@ impl<'a> Kinds<'a> {
     }
     fn of_action(j: &'a SetJointSpec) -> Self {
         Self {
+            keys: &["ball", "hinge", "slider", "distance", "spring", "wheel", "generic", "pulley", "path"],
             fixed: false,
             ball: j.ball.as_deref(),
             hinge: j.hinge.as_deref(),
@@ -84,7 +88,7 @@ pub(super) fn kind(k: &Kinds<'_>) -> Checked<(&'static str, JointKind, Measure)>
         k.path.is_some(),
     ];
     let all: Vec<&str> = KIND_KEYS.iter().zip(given).filter(|(_, g)| *g).map(|(k, _)| *k).collect();
-    let expected = || format!("exactly one of {}", KIND_KEYS.join(", "));
+    let expected = || format!("exactly one of {}", k.keys.join(", "));
     let [key] = all[..] else {
         let message = match all.len() {
             0 => "the joint has no kind".to_string(),
@@ -98,7 +102,7 @@ pub(super) fn kind(k: &Kinds<'_>) -> Checked<(&'static str, JointKind, Measure)>
             return ball(s);
         }
         if let Some(s) = k.hinge {
-            return unlocked(s).and_then(|()| axis(s, true)).map(JointKind::Hinge);
+            return unlocked(s).and_then(|()| turning(s)).map(JointKind::Hinge);
         }
         if let Some(s) = k.slider {
             return unlocked(s).and_then(|()| axis(s, false)).map(JointKind::Slider);
@@ -121,26 +125,26 @@ pub(super) fn kind(k: &Kinds<'_>) -> Checked<(&'static str, JointKind, Measure)>
             return Ok(JointKind::Spring { rest: s.rest.unwrap_or(0.0), spring, limit });
         }
         if let Some(s) = k.wheel {
-            let of = |a: &Option<AxisSpec>, turns, otherwise, key| {
-                a.as_ref().map_or(Ok(otherwise), |a| axis(a, turns)).key(key)
+            let of = |a: &Option<AxisSpec>, make: MakeAxis, otherwise, key| {
+                a.as_ref().map_or(Ok(otherwise), make).key(key)
             };
             return Ok(JointKind::Wheel {
-                suspension: of(&s.suspension, false, AxisDesc::FREE, "suspension")?,
-                spin: of(&s.spin, true, AxisDesc::FREE, "spin")?,
-                steer: of(&s.steer, true, AxisDesc::LOCKED, "steer")?,
+                suspension: of(&s.suspension, moving, AxisDesc::FREE, "suspension")?,
+                spin: of(&s.spin, turning, AxisDesc::FREE, "spin")?,
+                steer: of(&s.steer, swinging, AxisDesc::LOCKED, "steer")?,
             });
         }
         if let Some(s) = k.generic {
-            let three = |a: &Option<[AxisSpec; 3]>, turns, key| {
+            let three = |a: &Option<[AxisSpec; 3]>, make: [MakeAxis; 3], key| {
                 let mut out = [AxisDesc::LOCKED; 3];
                 for (i, spec) in a.iter().flatten().enumerate() {
-                    out[i] = axis(spec, turns).index(i).key(key)?;
+                    out[i] = make[i](spec).index(i).key(key)?;
                 }
                 Ok::<_, Wrong>(out)
             };
             return Ok(JointKind::Generic {
-                linear: three(&s.linear, false, "linear")?,
-                angular: three(&s.angular, true, "angular")?,
+                linear: three(&s.linear, [moving; 3], "linear")?,
+                angular: three(&s.angular, [turning, swinging, swinging], "angular")?,
             });
         }
         if let Some(s) = k.gear {
@@ -226,6 +230,15 @@ fn coordinate(
 }
 
 fn limit(s: &LimitSpec, turns: bool) -> Checked<LimitDesc> {
+    let mixed = match (s.min, s.max, s.min_deg, s.max_deg) {
+        (Some(_), None, None, Some(_)) => Some(("max_deg", "min")),
+        (None, Some(_), Some(_), None) => Some(("min_deg", "max")),
+        _ => None,
+    };
+    if let Some((deg, plain)) = mixed.filter(|_| turns) {
+        let expected = "both ends in one unit: min and max in radians, or min_deg and max_deg";
+        return Err(Wrong::new(format!("is given beside `{plain}`"), expected).key(deg));
+    }
     let min = coordinate(s.min, s.min_deg, turns, ["min", "min_deg"])?;
     let max = coordinate(s.max, s.max_deg, turns, ["max", "max_deg"])?;
     let (Some((min, key)), Some((max, _))) = (min, max) else {
@@ -238,7 +251,7 @@ fn limit(s: &LimitSpec, turns: bool) -> Checked<LimitDesc> {
     let desc = LimitDesc { min, max, spring: s.spring.as_ref().map(stiffness).transpose().key("spring")? };
     let mut axis = AxisDesc::FREE;
     axis.limit = Some(desc);
-    if checked(JointKind::Hinge(axis)).is_err() {
+    if checked(JointKind::Slider(axis)).is_err() {
         return Err(Wrong::new(format!("is {min} to {max}"), "within ±1e6"));
     }
     Ok(desc)
@@ -280,6 +293,43 @@ fn axis_spring(s: &AxisSpringSpec, turns: bool) -> Checked<(f32, SpringDesc)> {
     })?;
     checked(JointKind::Hinge(AxisDesc::FREE.spring(rest, spring)))?;
     Ok((rest, spring))
+}
+
+type MakeAxis = fn(&AxisSpec) -> Checked<AxisDesc>;
+
+/// An axis along a line.
+fn moving(s: &AxisSpec) -> Checked<AxisDesc> {
+    axis(s, false)
+}
+
+/// An axis whose turns are counted, from ±180° where it is added: its ends leave room there.
+fn turning(s: &AxisSpec) -> Checked<AxisDesc> {
+    let a = axis(s, true)?;
+    if a.limit.is_some_and(|l| l.min > PI + 1e-5 || l.max < -PI - 1e-5) {
+        let expected = "room within ±180 degrees (±π rad), where a joint begins to count its turns";
+        return Err(Wrong::new(format!("is {}", ends(s)), expected).key("limit"));
+    }
+    Ok(a)
+}
+
+/// A swing, which is measured within ±90°.
+fn swinging(s: &AxisSpec) -> Checked<AxisDesc> {
+    let a = axis(s, true)?;
+    if a.limit.is_some_and(|l| l.min < -FRAC_PI_2 - 1e-5 || l.max > FRAC_PI_2 + 1e-5) {
+        let expected =
+            "within ±90 degrees (±π/2 rad): such an axis is measured within them and turns no farther";
+        return Err(Wrong::new(format!("is {}", ends(s)), expected).key("limit"));
+    }
+    Ok(a)
+}
+
+/// The ends of an axis as they are given.
+fn ends(s: &AxisSpec) -> String {
+    match s.limit {
+        Some(LimitSpec { min_deg: Some(a), max_deg: Some(b), .. }) => format!("{a} to {b} degrees"),
+        Some(LimitSpec { min: Some(a), max: Some(b), .. }) => format!("{a} to {b} rad"),
+        _ => "open".into(),
+    }
 }
 
 /// A degree of freedom that turns (rad) or moves (m).
@@ -375,9 +425,8 @@ impl NewMotor {
 /// The action `set_motor`.
 pub(crate) fn set_motor(s: &SetMotorSpec, joints: &JointNames) -> Checked<(Target, NewMotor)> {
     use JointAxisSpec as A;
-    let target = joints.resolve(&s.joint).key("joint")?;
+    let (target, kind) = joints.of_one_kind(&s.joint).key("joint")?;
     let axis = s.axis.unwrap_or(A::Main);
-    let kind = joints.kind(&target);
     let (ok, words) = match kind {
         "hinge" | "slider" | "path" => (axis == A::Main, "main"),
         "wheel" => (matches!(axis, A::Main | A::Suspension | A::Steer), "main, suspension or steer"),
@@ -418,9 +467,12 @@ pub(crate) fn set_motor(s: &SetMotorSpec, joints: &JointNames) -> Checked<(Targe
 
 /// The action `set_joint`.
 pub(crate) fn set_joint(s: &SetJointSpec, joints: &JointNames) -> Checked<(Target, JointKind, Measure)> {
-    let target = joints.resolve(&s.joint).key("joint")?;
+    let (target, now) = joints.of_one_kind(&s.joint).key("joint")?;
+    if matches!(now, "fixed" | "gear") {
+        let message = format!("\"{}\" is a {now} joint, which has nothing to set", s.joint);
+        return Err(Wrong::new(message, "a joint of another kind").key("joint"));
+    }
     let (key, kind, measure) = kind(&Kinds::of_action(s))?;
-    let now = joints.kind(&target);
     if now != key {
         let message = format!("is given for a {now} joint");
         return Err(Wrong::new(message, format!("`{now}`: a joint keeps its kind")).key(key));

@@ -2,7 +2,7 @@
 
 mod kinds;
 
-use crate::bodies::{Census, Names, Target, check_name, color, resolve_name};
+use crate::bodies::{Census, Names, Target, check_name, color, given_twice, resolve_name};
 use crate::error::{Checked, Under, Wrong};
 use crate::limits;
 use crate::shapes::rotation;
@@ -140,16 +140,43 @@ pub(crate) fn measured(kind: &mut JointKind, m: Measure, length: f32) {
 
 /// Names of joints: how many bear each, and of which kind they are.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct JointNames(BTreeMap<String, (u64, &'static str)>);
+pub(crate) struct JointNames(BTreeMap<String, Bearers>);
+
+/// The joints that bear a name.
+#[derive(Clone, Debug)]
+struct Bearers {
+    count: u64,
+    /// All of a ragdoll are of the kind "ragdoll".
+    kind: &'static str,
+    /// How one of several is called, where that is not `name[0]`.
+    one: Option<String>,
+}
 
 impl JointNames {
     /// The joints that a text names: `name` (all of them) or `name[n]`.
     pub(crate) fn resolve(&self, text: &str) -> Checked<Target> {
         let known = self.0.keys().map(String::as_str);
-        resolve_name("joint", text, known, |name| self.0.get(name).map(|b| b.0))
+        let mut target = resolve_name("joint", text, known, |name| self.0.get(name).map(|b| b.count))?;
+        if let Some(one) = self.0.get(&target.name).and_then(|b| b.one.as_ref()) {
+            target.one.clone_from(one);
+        }
+        Ok(target)
     }
-    fn kind(&self, t: &Target) -> &'static str {
-        self.0.get(&t.name).map_or("", |b| b.1)
+    /// The joints that a text names, all of one kind.
+    fn of_one_kind(&self, text: &str) -> Checked<(Target, &'static str)> {
+        let target = self.resolve(text)?;
+        let kind = self.0.get(&target.name).map_or("", |b| b.kind);
+        if kind == "ragdoll" {
+            let message = format!("\"{text}\" names joints of a ragdoll, each of its own kind");
+            return Err(Wrong::new(message, format!("those of one bone, such as {}", target.one)));
+        }
+        Ok((target, kind))
+    }
+    /// How one of those that bear a name is called.
+    pub(crate) fn call_one(&mut self, name: &str, one: String) {
+        if let Some(b) = self.0.get_mut(name) {
+            b.one = Some(one);
+        }
     }
     /// Gives a group its name; `times` is how often it is made.
     pub(crate) fn add(&mut self, g: &JointGroup, times: u64) -> Checked<()> {
@@ -159,11 +186,11 @@ impl JointNames {
     /// Gives so many joints of a kind a name.
     pub(crate) fn add_named(&mut self, name: &str, count: u64, kind: &'static str) -> Checked<()> {
         check_name(name)?;
-        if self.0.insert(name.into(), (count, kind)).is_some() {
-            let message = format!("\"{name}\" is given to two joints");
-            return Err(Wrong::new(message, "a name of its own").key("name"));
+        let what = |kind| if kind == "ragdoll" { kind } else { "joint" };
+        match self.0.insert(name.into(), Bearers { count, kind, one: None }) {
+            Some(other) => Err(given_twice(name, what(other.kind), what(kind))),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 
@@ -234,8 +261,7 @@ pub(crate) fn find_ends(
 ) -> Checked<()> {
     if let Some(gear) = &j.gear {
         for (key, text, e) in [("a", &gear.a, 0), ("b", &gear.b, 1)] {
-            let found = joints.resolve(text).and_then(|t| {
-                let kind = joints.kind(&t);
+            let found = joints.of_one_kind(text).and_then(|(t, kind)| {
                 if !matches!(kind, "hinge" | "slider") {
                     return Err(Wrong::new(format!("\"{text}\" is a {kind} joint"), "a hinge or a slider"));
                 }
@@ -251,12 +277,8 @@ pub(crate) fn find_ends(
             let own = own.get(text.split('[').next().unwrap_or("")).copied();
             names.resolve(text).and_then(|t| g.find(e, t, own)).key(key)?;
         }
-        if let (Some(a), Some(b)) = (&j.a, &j.b)
-            && names.are_fixed(a)
-            && names.are_fixed(b)
-        {
-            let message = format!("\"{b}\" is fixed, as \"{a}\" is");
-            return Err(Wrong::new(message, "a body that can move, at one end at least").key("b"));
+        if let (Some(a), Some(b)) = (&j.a, &j.b) {
+            can_act(a, b, names).key("b")?;
         }
     }
     let same = (0..g.len()).find(|&n| {
@@ -274,6 +296,17 @@ pub(crate) fn find_ends(
     Ok(())
 }
 
+/// Does a joint move anything? The engine takes one that does not, since a body's type may change there; in a scene it stays.
+fn can_act(a: &str, b: &str, names: &Names) -> Checked<()> {
+    let (Some(of_a), Some(of_b)) = (names.unmoved(a), names.unmoved(b)) else { return Ok(()) };
+    if (of_a, of_b) == ("fixed", "fixed") {
+        let message = format!("\"{b}\" is fixed, as \"{a}\" is");
+        return Err(Wrong::new(message, "a body that can move, at one end at least"));
+    }
+    let message = format!("\"{b}\" is {of_b} and \"{a}\" is {of_a}: a joint moves neither");
+    Err(Wrong::new(message, "a dynamic body at one end at least"))
+}
+
 impl JointGroup {
     /// Takes a found name as an end, if all copies are there.
     fn find(&mut self, e: usize, t: Target, own: Option<usize>) -> Checked<()> {
@@ -281,7 +314,7 @@ impl JointGroup {
         let end = End { name: t.name, index: t.index.map(|i| i as i64), own: own.map(|n| n as i64) };
         if end.index.is_none() && there != 1 {
             let message = format!("names {there} of them");
-            return Err(Wrong::new(message, format!("one, such as {}[0]", end.name)));
+            return Err(Wrong::new(message, format!("one, such as {}", t.one)));
         }
         // A target with a number counts itself alone: whether a copy's number is there is looked up again.
         let index = |n: usize| end.index_of(self.cell(n), self.steps[e]);

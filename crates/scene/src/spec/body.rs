@@ -89,7 +89,8 @@ pub struct MassPropertiesSpec {
     /// Centre of mass in the body's frame, m. Default [0, 0, 0].
     #[serde(default)]
     pub center: [f32; 3],
-    /// Inertia about the centre, body axes, kg m²: [xx, yy, zz] or [xx, yy, zz, xy, xz, yz].
+    /// Inertia about the centre, body axes, kg m²: [xx, yy, zz] or [xx, yy, zz, xy, xz, yz]. No principal moment is above the sum
+    /// of the other two.
     pub inertia: Vec<f32>,
 }
 

@@ -12,7 +12,7 @@ use serde::Deserialize;
 pub struct JointSpec {
     /// Name for probes, gears and the timeline; with `repeat` the copies are `name[0]`, `name[1]`, ….
     pub name: Option<String>,
-    /// First body, of any type: `name` or `name[n]`. Not for gears.
+    /// First body: `name` or `name[n]`. One of the two is dynamic. Not for gears.
     pub a: Option<String>,
     /// Second body. Not for gears.
     pub b: Option<String>,
@@ -130,7 +130,8 @@ pub struct StiffnessSpec {
     pub damping: Option<f32>,
 }
 
-/// Ends of an axis: m or rad, or degrees.
+/// Ends of an axis: m or rad, or degrees, both in one unit. A hinge, a wheel's spin and the twist of `generic` count their turns: their
+/// ends may be turns apart, and leave room within ±180 degrees. Swings of `generic` and a wheel's steer end within ±90 degrees.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LimitSpec {
@@ -313,9 +314,10 @@ pub struct PulleySpec {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PathSpec {
-    /// Points that the curve (Catmull–Rom) goes through, in the joint's frame, m; 2 to 4096.
+    /// Points that the curve (Catmull–Rom) goes through, in the joint's frame, m; 2 to 4096, none equal to the
+    /// one before.
     pub points: Vec<[f32; 3]>,
-    /// The last point is joined to the first. Default false.
+    /// The last point is joined to the first, which is not written again. Default false.
     pub closed: Option<bool>,
     /// `b` is turned along the curve, y up; otherwise all turns are free. Default false.
     pub aligned: Option<bool>,

@@ -9,7 +9,7 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RagdollSpec {
-    /// Name for probes, the camera and the timeline.
+    /// Name for probes, the camera and the timeline, without dots.
     pub name: Option<String>,
     /// Bones to start from.
     pub preset: Option<RagdollPresetSpec>,
@@ -60,7 +60,7 @@ pub struct BoneSpec {
     pub rotation_deg: Option<[f32; 3]>,
     /// The same as a quaternion x, y, z, w.
     pub rotation: Option<[f32; 4]>,
-    /// Shapes in the bone's frame.
+    /// Shapes in the bone's frame; one of them at least has mass.
     pub shapes: Vec<ShapeSpec>,
     /// May meet bones of the ragdoll that do not hang on it. Default true.
     pub meets_group: Option<bool>,
@@ -151,7 +151,7 @@ pub struct GrabSpec {
     pub body: String,
     /// Name of the hand.
     pub hand: String,
-    /// Point of the body that is held, in its frame, m. Default its origin.
+    /// Point of the body that is held, in its frame, m: within 10 m, or ten of its own radii, of its centre of mass. Default its origin.
     pub point: Option<[f32; 3]>,
     /// Stiffness along each axis. Default 5 Hz, damping ratio 1.
     pub spring: Option<StiffnessSpec>,

@@ -102,11 +102,11 @@ pub enum VehiclePresetSpec {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct WheelSpec {
-    /// Hub at rest, in the chassis' frame, m.
+    /// Hub at rest, in the chassis' frame, m; its own for each wheel.
     pub position: Option<[f32; 3]>,
-    /// m.
+    /// m, to 10.
     pub radius: Option<f32>,
-    /// m.
+    /// m, to 10.
     pub width: Option<f32>,
     /// Unsprung mass, kg: a part of the chassis' mass.
     pub mass: Option<f32>,

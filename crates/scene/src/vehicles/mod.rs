@@ -3,7 +3,7 @@
 mod driver;
 mod parts;
 
-use crate::bodies::{Census, Group, Names, Place, Target, Template, color, grid, resolve_name};
+use crate::bodies::{Census, Group, Names, Place, Target, Template, color, given_twice, grid, resolve_name};
 use crate::error::{Checked, Under, Wrong};
 use crate::shapes::rotation;
 use crate::spec::{DriveSpec, VehicleInputSpec, VehiclePresetSpec, VehicleSpec};
@@ -119,15 +119,15 @@ pub(crate) fn vehicles(
         }
         if let Some(name) = &g.name {
             if let Chassis::Own(own) = &g.chassis {
-                let named =
-                    own.names(times).and_then(|n| n.into_iter().try_for_each(|(n, b)| names.add(&n, b)));
+                let named = own
+                    .names(times)
+                    .and_then(|n| n.into_iter().try_for_each(|(n, b)| names.add(&n, b.of("vehicle"))));
                 named.index(i).key("vehicles")?;
             } else {
                 crate::bodies::check_name(name).index(i).key("vehicles")?;
             }
             if vehicle_names.0.insert(name.clone(), g.len() as u64 * times).is_some() {
-                let message = format!("\"{name}\" is given to two vehicles");
-                return Err(Wrong::new(message, "a name of its own").key("name").index(i).key("vehicles"));
+                return Err(given_twice(name, "vehicle", "vehicle").index(i).key("vehicles"));
             }
         }
         out.push(g);
@@ -173,12 +173,8 @@ fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<Vehicle
         Some(name) => Chassis::Of(of_scene(v, name, names)?),
         None => Chassis::Own(own(v, &mut kit, census)?),
     };
+    one_or_the_other(v, &kit.vehicle)?;
     parts::change(v, &mut kit.vehicle)?;
-    if !(kit.vehicle.wheels.is_empty() || kit.vehicle.board.is_none()) {
-        return Err(
-            Wrong::new("the vehicle has wheels and a board", "wheels or a board, not both").key("board")
-        );
-    }
     if let Chassis::Own(g) = &chassis {
         light_wheels(v, &kit.vehicle, g)?;
     }
@@ -193,6 +189,22 @@ fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<Vehicle
         input,
         route,
     })
+}
+
+/// A vehicle has wheels or a board.
+fn one_or_the_other(v: &VehicleSpec, preset: &VehicleDesc) -> Checked<()> {
+    if v.board.is_some() && !(v.wheels.is_empty() && preset.wheels.is_empty()) {
+        let expected = "wheels or a board, not both";
+        return Err(Wrong::new("the vehicle has wheels and a board", expected).key("board"));
+    }
+    let given = [("wheels", !v.wheels.is_empty()), ("wheel", v.wheel.is_some())];
+    match given.iter().find(|(_, given)| *given) {
+        Some((key, _)) if v.board.is_some() || preset.board.is_some() => {
+            let message = "is given for a vehicle on a board, which has no wheels";
+            Err(Wrong::new(message, "`board` with what is changed of it").key(key))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Wheels are a part of the whole.
@@ -225,7 +237,7 @@ fn of_scene(v: &VehicleSpec, name: &str, names: &Names) -> Checked<Target> {
     let target = names.resolve_only(name, &[BodyKind::Dynamic], "a dynamic body").key("body")?;
     if target.count > 1 {
         let message = format!("names {} bodies", target.count);
-        return Err(Wrong::new(message, format!("one, such as {}[0]", target.name)).key("body"));
+        return Err(Wrong::new(message, format!("one, such as {}", target.one)).key("body"));
     }
     Ok(target)
 }

@@ -38,7 +38,10 @@ pub(super) fn change(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
     axes(v, d)?;
     if let Some(s) = &v.board {
         d.board = Some(board(s, d.board).key("board")?);
-        VehicleDesc { board: d.board, ..d_alone() }.check().map_err(placed).key("board")?;
+        VehicleDesc { board: d.board, wheels: Vec::new(), ..d_alone() }
+            .check()
+            .map_err(placed)
+            .key("board")?;
     }
     wheels(v, d)?;
     drive(v, d)?;
@@ -133,9 +136,6 @@ fn wheels(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
             let expected = "a position of each wheel, under `wheels`";
             return Err(Wrong::new("is given for all wheels", expected).key("position").key("wheel"));
         }
-        if d.wheels.is_empty() {
-            return Err(Wrong::new("is given for a vehicle without wheels", "no wheel").key("wheel"));
-        }
         for w in &mut d.wheels {
             wheel(all, w).key("wheel")?;
         }
@@ -143,7 +143,11 @@ fn wheels(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
     for (i, (s, w)) in v.wheels.iter().zip(&mut d.wheels).enumerate() {
         wheel(s, w).index(i).key("wheels")?;
     }
-    Ok(())
+    let Err(e) = VehicleDesc { wheels: d.wheels.clone(), board: d.board, ..d_alone() }.check() else {
+        return Ok(());
+    };
+    // Each of them is sound: it is where they are.
+    Err(placed(e).renamed("wheels"))
 }
 
 fn wheel(s: &WheelSpec, w: &mut WheelDesc) -> Checked<()> {

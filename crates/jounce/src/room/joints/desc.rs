@@ -1,6 +1,6 @@
 //! What users write to join two bodies.
 
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::{BodyId, JointId};
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose};
 
@@ -205,6 +205,21 @@ impl AxisDesc {
         self.friction = friction;
         self
     }
+    /// Of an axis whose turns are counted, from ±π where it is added: its ends must leave it room there.
+    fn check_counted(&self) -> Result<()> {
+        self.check()?;
+        let Some(l) = self.limit else { return Ok(()) };
+        let ok = l.min <= HALF_TURN && l.max >= -HALF_TURN;
+        let expected = "ends that leave room within ±π rad, from where turns are counted";
+        check(ok, "joint limit", "min, max", [l.min, l.max], expected)
+    }
+    /// Of a swing, which is measured within ±π/2.
+    fn check_swing(&self) -> Result<()> {
+        self.check()?;
+        let Some(l) = self.limit else { return Ok(()) };
+        let ok = l.min.abs() <= QUARTER_TURN && l.max.abs() <= QUARTER_TURN;
+        check(ok, "joint limit", "min, max", [l.min, l.max], "within ±π/2 rad, where a swing is measured")
+    }
     fn check(&self) -> Result<()> {
         self.limit.map_or(Ok(()), |l| l.check())?;
         self.motor.map_or(Ok(()), |m| m.check())?;
@@ -247,9 +262,9 @@ pub struct BallDesc {
 /// A curve through points, in body A's joint frame, metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathDesc {
-    /// Points that the curve (Catmull–Rom) goes through, 2 to 4096.
+    /// Points that the curve (Catmull–Rom) goes through, 2 to 4096, none equal to the one before.
     pub points: Vec<Vec3>,
-    /// The last point is joined to the first.
+    /// The last point is joined to the first, which is not written again.
     pub closed: bool,
     /// B's frame keeps its x axis along the curve and its y axis up: no turn is free. Otherwise all are.
     pub aligned: bool,
@@ -267,7 +282,8 @@ pub enum JointKind {
     Fixed,
     /// A point is held; all turns are free, within limits.
     Ball(BallDesc),
-    /// Turns about x.
+    /// Turns about x. Turns are counted, from an angle within ±π as it is added: ends may be several turns apart, but leave room
+    /// within ±π.
     Hinge(AxisDesc),
     /// Slides along A's x.
     Slider(AxisDesc),
@@ -293,11 +309,11 @@ pub enum JointKind {
         suspension: AxisDesc,
         /// About the axle, rad.
         spin: AxisDesc,
-        /// About A's y, rad; locked by default.
+        /// About A's y, rad, with ends within ±π/2; locked by default.
         steer: AxisDesc,
     },
-    /// Six axes, each locked or free, with limits, motors, springs. Turns are twist about x and swing about y and z; swings that
-    /// are not locked keep within ±90°.
+    /// Six axes, each locked or free, with limits, motors, springs. Turns are twist about x (counted, as a hinge's) and swing about y
+    /// and z; swings that are not locked keep within ±90°, and so do their ends.
     Generic {
         /// Along A's x, y, z, m.
         linear: [AxisDesc; 3],
@@ -365,7 +381,8 @@ pub enum JointSolver {
 /// Describes a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointDesc {
-    /// First body. (Gears find theirs by their joints.)
+    /// First body. (Gears find theirs by their joints.) A joint of two bodies that are not dynamic does nothing, until one of them is made
+    /// so.
     pub body_a: BodyId,
     /// Second body.
     pub body_b: BodyId,
@@ -581,8 +598,27 @@ fn check_frames(frames: &JointFrames) -> Result<()> {
     }
 }
 
+/// A stretch between two points of a path has a length.
+fn check_apart(p: &PathDesc) -> Result<()> {
+    let n = p.points.len();
+    let next = |i: usize| (i, (i + 1) % n);
+    let stretches = (0..if p.closed { n } else { n - 1 }).map(next);
+    let Some((i, j)) = stretches.into_iter().find(|&(i, j)| (p.points[j] - p.points[i]).length() <= 1e-6)
+    else {
+        return Ok(());
+    };
+    let value = format!("{:?} at both points[{i}] and points[{j}]", p.points[i].to_array());
+    let expected = match j {
+        0 => "points that differ from the one before (a closed path goes back to points[0] by itself)",
+        _ => "points that differ from the one before",
+    };
+    Err(Error::BadValue { what: "path joint", field: "points", value, expected })
+}
+
 /// π, and what rounding of degrees may add.
 const HALF_TURN: f32 = core::f32::consts::PI + 1e-5;
+/// π/2, likewise.
+const QUARTER_TURN: f32 = core::f32::consts::FRAC_PI_2 + 1e-5;
 
 pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
     let length = |field, v: f32| check((0.0..=1e6).contains(&v), "joint", field, v, "0 to 1e6 m");
@@ -620,7 +656,7 @@ pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
                 true,
                 "false for the axis of a hinge or slider (a fixed joint locks all)",
             )?;
-            a.check()
+            if matches!(kind, JointKind::Hinge(_)) { a.check_counted() } else { a.check() }
         }
         JointKind::Distance { min, max } => {
             length("min", *min)?;
@@ -634,10 +670,14 @@ pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
         JointKind::Wheel { suspension, spin, steer } => {
             check(!spin.locked, "wheel joint", "spin", "locked", "an axis that may turn")?;
             suspension.check()?;
-            spin.check()?;
-            steer.check()
+            spin.check_counted()?;
+            steer.check_swing()
         }
-        JointKind::Generic { linear, angular } => linear.iter().chain(angular).try_for_each(AxisDesc::check),
+        JointKind::Generic { linear, angular } => {
+            linear.iter().try_for_each(AxisDesc::check)?;
+            angular[0].check_counted()?;
+            angular[1..].iter().try_for_each(AxisDesc::check_swing)
+        }
         JointKind::Gear { a, b, ratio } => {
             check(a != b, "gear", "b", b, "another joint than a")?;
             let ok = ratio.is_finite() && ratio.abs() >= 1e-6 && ratio.abs() <= 1e6;
@@ -663,8 +703,7 @@ pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
             )?;
             let ok = p.points.iter().all(|p| p.is_finite() && p.abs().max_component() <= 1e6);
             check(ok, "path joint", "points", "a point", "finite, within ±1e6 m")?;
-            let apart = p.points.windows(2).all(|w| (w[1] - w[0]).length() > 1e-6);
-            check(apart, "path joint", "points", "two equal points in a row", "points that differ")?;
+            check_apart(p)?;
             p.axis.check()
         }
     }

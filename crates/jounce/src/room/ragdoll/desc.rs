@@ -1,9 +1,9 @@
 //! What users write to make a ragdoll, and how it is made.
 
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::handle::{BodyId, JointId};
 use crate::limits;
-use crate::room::contacts::desc::ShapeDesc;
+use crate::room::contacts::desc::{MassSpec, ShapeDesc};
 use crate::room::joints::desc::{
     AxisDesc, BallDesc, BallMotor, JointDesc, JointFrames, JointKind, LimitDesc, MotorDesc, MotorTarget,
     SpringDesc,
@@ -58,7 +58,7 @@ pub struct BoneDesc {
     pub name: String,
     /// Where it is at rest, in the ragdoll's frame, m.
     pub rest: Pose,
-    /// Its shapes, with mass or density.
+    /// Its shapes, with mass or density; one of them at least weighs something.
     pub shapes: Vec<ShapeDesc>,
     /// May meet those bones of the same ragdoll that do not hang on it. Two bones for which this is false never meet
     /// ([`RagdollDesc::group`]).
@@ -152,6 +152,11 @@ impl RagdollDesc {
         for (i, b) in self.bones.iter().enumerate() {
             check(b.rest.is_finite(), what, "rest", b.rest, "a finite pose")?;
             check_rotation(b.rest.q)?;
+            if !b.shapes.iter().any(weighs) {
+                let value = format!("all without mass, of bone \"{}\"", b.name);
+                let expected = "one at least that is no sensor, with density or mass above 0";
+                return Err(Error::BadValue { what, field: "shapes", value, expected });
+            }
             let Some(j) = &b.joint else { continue };
             check(j.parent < i, what, "parent", j.parent, "the place of a bone before this one")?;
             check((0.0..=1e25).contains(&j.strength), what, "strength", j.strength, "0 to 1e25 N m")?;
@@ -177,6 +182,12 @@ impl RagdollDesc {
         }
         poses
     }
+}
+
+/// Has a shape mass?
+fn weighs(s: &ShapeDesc) -> bool {
+    let (MassSpec::Density(x) | MassSpec::Mass(x)) = s.mass;
+    !s.sensor && x > 0.0 && s.shape.volume() > 0.0
 }
 
 /// The joint's kind, not driven.

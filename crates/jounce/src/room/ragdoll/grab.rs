@@ -1,7 +1,8 @@
 //! A hand that drags a body by a point.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::handle::{BodyId, JointId};
+use crate::limits;
 use crate::room::joints::desc::{AxisDesc, JointDesc, JointFrames, JointKind, MotorDesc, SpringDesc};
 use crate::room::rigid::desc::{BodyDesc, check_position};
 use crate::world::World;
@@ -19,7 +20,8 @@ pub struct Grab {
 
 impl World {
     /// Takes hold of a body at a world point: springs of `spring` along each axis, with at most `max_force` newtons each, to a
-    /// hand that [`World::drag`] moves (as a mouse does).
+    /// hand that [`World::drag`] moves (as a mouse does). The point is within [`limits::GRAB_REACH_MAX`] of the centre of mass, or within
+    /// ten times the distance of the body's outermost point, where that is more.
     ///
     /// # Errors
     /// A stale handle, or a value out of range, named; nothing is added then.
@@ -27,6 +29,15 @@ impl World {
         let _mode = FloatEnv::set_default();
         check_position(at)?;
         let pose = self.body(body)?.pose();
+        let slot = body.index;
+        let outermost = 10.0 * f64::from(self.bodies[slot].mass.outer_radius);
+        let most = if outermost > limits::GRAB_REACH_MAX { outermost } else { limits::GRAB_REACH_MAX };
+        let away = (at - self.frames[slot as usize].center).length();
+        let expected = "within 10 m, or ten of its own radii, of the body's centre of mass";
+        if away > most {
+            let value = format!("{away} m away");
+            return Err(Error::BadValue { what: "grab", field: "point", value, expected });
+        }
         let hand = self.add_body(BodyDesc::kinematic().at(at).name("hand"))?;
         let axis = AxisDesc::FREE.motor(MotorDesc::position(0.0, spring, max_force));
         let kind = JointKind::Generic { linear: [axis; 3], angular: [AxisDesc::FREE; 3] };

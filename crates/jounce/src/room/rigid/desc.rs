@@ -57,7 +57,8 @@ pub struct BodyDesc {
     pub gravity_scale: f32,
     /// Locked axes.
     pub locks: AxisLocks,
-    /// Instead of the sum over the shapes: mass (kg), centre (body frame) and inertia about it.
+    /// Instead of the sum over the shapes: mass (kg), centre (body frame) and inertia about it. No principal moment is above the sum of
+    /// the other two (by more than a hundredth of it).
     pub mass: Option<MassProperties>,
     /// Continuous collision against moving bodies too.
     pub bullet: bool,
@@ -253,5 +254,10 @@ pub(crate) fn check_mass(m: &MassProperties) -> Result<()> {
     let symmetric = i.is_finite() && skew.abs().max_component() <= most;
     // The inverse must fit f32 with room for levers.
     let ok = symmetric && d.min_component() >= 1e-30 && d.max_component() <= 1e25;
-    check(ok, "body", "mass.inertia", m.inertia, "a finite, symmetric, positive definite tensor")
+    check(ok, "body", "mass.inertia", m.inertia, "a finite, symmetric, positive definite tensor")?;
+    // Σ m (y² + z²) and its like add up: I_x + I_y = I_z + 2 Σ m z². A hundredth more forgives moments written with two digits.
+    let largest = d.max_component();
+    let ok = largest <= 1.01 * (d.x + d.y + d.z - largest);
+    let expected = "no principal moment above the sum of the other two, as matter has them";
+    check(ok, "body", "mass.inertia", m.inertia, expected)
 }

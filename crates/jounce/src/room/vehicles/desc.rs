@@ -1,7 +1,7 @@
 //! What users write about vehicles.
 
 use crate::BodyId;
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::limits;
 use jounce_math::Vec3;
 
@@ -66,9 +66,9 @@ impl Default for TyreDesc {
 pub struct WheelDesc {
     /// Hub at rest (travel 0), in the chassis' frame, m.
     pub position: Vec3,
-    /// Radius, m.
+    /// Radius, m; at most [`limits::WHEEL_SIZE_MAX`].
     pub radius: f32,
-    /// Width, m; half of it is the radius of the tread's round.
+    /// Width, m, likewise; half of it is the radius of the tread's round.
     pub width: f32,
     /// Unsprung mass, kg. It is part of the chassis' mass, not added to it.
     pub mass: f32,
@@ -200,7 +200,7 @@ pub enum DifferentialKind {
 pub struct DifferentialDesc {
     /// Index of the left wheel.
     pub left: usize,
-    /// Of the right one; the same as `left` for a chain or shaft to one wheel.
+    /// Of the right one; the same index as `left` for a chain or shaft to one wheel.
     pub right: usize,
     /// How it shares torque.
     pub kind: DifferentialKind,
@@ -343,7 +343,7 @@ pub struct VehicleDesc {
     pub aero: Vec<AeroSurfaceDesc>,
     /// Lean of a motorcycle.
     pub lean: Option<LeanDesc>,
-    /// A board instead of wheels.
+    /// A board, instead of wheels.
     pub board: Option<BoardDesc>,
     /// Layers of shapes to stand on (bits).
     pub ground_layers: u32,
@@ -414,7 +414,12 @@ impl VehicleDesc {
         check(n <= limits::WHEELS_MAX, V, "wheels", n, "at most 32")?;
         let stands = n > 0 || self.board.is_some();
         check(stands, V, "wheels", n, "at least one, or a board")?;
+        if n > 0 && self.board.is_some() {
+            let (value, expected) = (format!("{n} beside a board"), "none: wheels or a board, not both");
+            return Err(Error::BadValue { what: V, field: "wheels", value, expected });
+        }
         self.wheels.iter().try_for_each(WheelDesc::check)?;
+        self.check_places()?;
         let wheel = |field, i: usize| check(i < n, V, field, i, "the index of a wheel");
         for a in &self.anti_roll {
             wheel("anti_roll left", a.left)?;
@@ -473,6 +478,20 @@ impl VehicleDesc {
     }
 }
 
+impl VehicleDesc {
+    /// No two wheels are one in the other.
+    fn check_places(&self) -> Result<()> {
+        for (j, w) in self.wheels.iter().enumerate() {
+            let same = |o: &WheelDesc| (o.position - w.position).length() < limits::WHEELS_APART_MIN;
+            let Some(i) = self.wheels[..j].iter().position(same) else { continue };
+            let value = format!("{:?} of both wheel {i} and wheel {j}", w.position.to_array());
+            let expected = "a place of its own for each wheel";
+            return Err(Error::BadValue { what: V, field: "wheel position", value, expected });
+        }
+        Ok(())
+    }
+}
+
 const V: &str = "vehicle";
 
 fn range(what: &'static str, field: &'static str, v: f32, lo: f32, hi: f32, e: &'static str) -> Result<()> {
@@ -488,8 +507,8 @@ impl WheelDesc {
     fn check(&self) -> Result<()> {
         let r = |field, v, lo, hi, e| range("wheel", field, v, lo, hi, e);
         near("wheel position", self.position)?;
-        r("radius", self.radius, 0.01, 100.0, "0.01 to 100 m")?;
-        r("width", self.width, 0.001, 100.0, "0.001 to 100 m")?;
+        r("radius", self.radius, 0.01, limits::WHEEL_SIZE_MAX, "0.01 to 10 m")?;
+        r("width", self.width, 0.001, limits::WHEEL_SIZE_MAX, "0.001 to 10 m")?;
         r("mass", self.mass, 0.01, 1e6, "0.01 to 1e6 kg")?;
         r("inertia", self.inertia, 1e-5, 1e9, "1e-5 to 1e9 kg m²")?;
         r("bump", self.bump, 0.0, 10.0, "0 to 10 m")?;
