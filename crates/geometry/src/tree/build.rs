@@ -12,13 +12,31 @@ const BINS: usize = 16;
 /// Below this depth leaves are halved by count, which bounds the depth by this + 32 whatever the input.
 const SAH_DEPTH_MAX: u32 = 40;
 
-#[derive(Clone, Copy)]
+/// A leaf (with [`LEAF`]) or a subtree.
+#[derive(Clone, Copy, Debug)]
 struct Item {
     aabb: Aabb,
-    leaf: u32,
+    child: u32,
+}
+
+/// Memory of [`Bvh::build_grown`].
+#[derive(Debug, Default)]
+pub(super) struct Work {
+    items: Vec<Item>,
+    todo: Vec<u32>,
+    jobs: Vec<Job>,
+    made: Vec<u32>,
+}
+
+impl Clone for Work {
+    /// Holds nothing between calls.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 /// Items `first..end` go below slot `slot` of `parent`.
+#[derive(Clone, Copy, Debug)]
 struct Job {
     first: usize,
     end: usize,
@@ -33,7 +51,9 @@ impl Bvh {
         self.nodes.clear();
         self.free_node = NONE;
         self.root = NONE;
-        let mut items: Vec<Item> = boxes.drain(..).map(|(aabb, leaf)| Item { aabb, leaf }).collect();
+        (self.grown, self.enlarged) = (0, 0);
+        let mut items: Vec<Item> =
+            boxes.drain(..).map(|(aabb, leaf)| Item { aabb, child: LEAF | leaf }).collect();
         drop(boxes);
         if items.is_empty() {
             return;
@@ -42,7 +62,7 @@ impl Bvh {
         self.nodes.reserve(items.len());
         if let [only] = items[..] {
             self.nodes.push(Node::new(NONE));
-            self.set(0, 0, only.aabb, LEAF | only.leaf);
+            self.set(0, 0, only.aabb, only.child);
             return;
         }
         let mut jobs = vec![Job { first: 0, end: items.len(), parent: NONE, slot: 0, depth: 0 }];
@@ -67,12 +87,92 @@ impl Bvh {
         let middle = job.first + split(range, job.depth);
         for (slot, (first, end)) in [(0, (job.first, middle)), (1, (middle, job.end))].into_iter().rev() {
             if end - first == 1 {
-                self.set(n, slot, items[first].aabb, LEAF | items[first].leaf);
+                self.set(n, slot, items[first].aabb, items[first].child);
             } else {
                 jobs.push(Job { first, end, parent: n, slot, depth: job.depth + 1 });
             }
         }
     }
+}
+
+impl Bvh {
+    /// Builds the grown nodes anew, over the leaves and the other subtrees that hang on them.
+    pub(super) fn build_grown(&mut self) {
+        self.enlarged = 0;
+        if self.root == NONE || self.nodes[self.root as usize].children[1] == NONE {
+            // A single leaf has its box where it is.
+            if let Some(root) = self.nodes.get_mut(self.root as usize) {
+                self.grown -= u32::from(core::mem::take(&mut root.grown));
+            }
+            return;
+        }
+        let mut work = core::mem::take(&mut self.work);
+        let Work { items, todo, jobs, made } = &mut work;
+        todo.push(self.root);
+        while let Some(n) = todo.pop() {
+            let node = self.nodes[n as usize];
+            for (&child, &aabb) in node.children.iter().zip(&node.boxes) {
+                if child & LEAF == 0 && self.nodes[child as usize].grown {
+                    todo.push(child);
+                } else {
+                    items.push(Item { aabb, child });
+                }
+            }
+            self.free(n);
+        }
+        jobs.push(Job { first: 0, end: items.len(), parent: NONE, slot: 0, depth: 0 });
+        while let Some(job) = jobs.pop() {
+            let n = self.new_node(job.parent);
+            made.push(n);
+            match self.nodes.get_mut(job.parent as usize) {
+                Some(parent) => parent.children[job.slot] = n,
+                None => self.root = n,
+            }
+            let middle = job.first + halve(&mut items[job.first..job.end], job.depth);
+            for (slot, (first, end)) in [(0, (job.first, middle)), (1, (middle, job.end))] {
+                if end - first == 1 {
+                    self.set(n, slot, items[first].aabb, items[first].child);
+                } else {
+                    jobs.push(Job { first, end, parent: n, slot, depth: job.depth + 1 });
+                }
+            }
+        }
+        // Parents were made before their children.
+        for &n in made.iter().skip(1).rev() {
+            let (b, p) = (self.nodes[n as usize].bounds(), self.nodes[n as usize].parent);
+            let slot = self.slot_of(p, n);
+            self.nodes[p as usize].boxes[slot] = b;
+        }
+        items.clear();
+        made.clear();
+        self.work = work;
+    }
+}
+
+/// Like [`split`], and much faster: at the middle of the longest side of the centres.
+fn halve(items: &mut [Item], depth: u32) -> usize {
+    if items.len() == 2 {
+        return 1;
+    }
+    let centers = Aabb::from_points(items.iter().map(|i| twice_center(&i.aabb)));
+    let extent = centers.max - centers.min;
+    if depth < SAH_DEPTH_MAX && extent.max_component() > 0.0 && extent.is_finite() {
+        let axis = extent.max_axis();
+        let middle = 0.5 * (centers.min[axis] + centers.max[axis]);
+        let count = partition(items, |i| i.aabb.min[axis] + i.aabb.max[axis] < middle);
+        if count > 0 && count < items.len() {
+            return count;
+        }
+    }
+    median(items, extent.max_axis())
+}
+
+/// Half the items, those with the lesser centres, to the front.
+fn median(items: &mut [Item], axis: usize) -> usize {
+    let half = items.len() / 2;
+    let key = |i: &Item| twice_center(&i.aabb)[axis];
+    items.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)).then(a.child.cmp(&b.child)));
+    half
 }
 
 #[derive(Clone, Copy)]
@@ -83,7 +183,6 @@ struct Bin {
 
 /// Reorders two or more items and says how many go left: at least one, not all.
 fn split(items: &mut [Item], depth: u32) -> usize {
-    let half = items.len() / 2;
     if items.len() == 2 {
         return 1;
     }
@@ -100,10 +199,7 @@ fn split(items: &mut [Item], depth: u32) -> usize {
             return count;
         }
     }
-    let axis = extent.max_axis();
-    let key = |i: &Item| twice_center(&i.aabb)[axis];
-    items.select_nth_unstable_by(half, |a, b| key(a).total_cmp(&key(b)).then(a.leaf.cmp(&b.leaf)));
-    half
+    median(items, extent.max_axis())
 }
 
 #[inline(always)]

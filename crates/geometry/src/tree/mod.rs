@@ -5,6 +5,8 @@
 //! data and the way back up.
 //!
 //! * Building: binned surface-area heuristic (`build.rs`).
+//! * Moving: leaves get their boxes in place, and now and then the part of the tree that grew is built anew over what did not
+//!   (Catto, Box2D v3, "dynamic tree rebuild").
 //! * Insertion: descends to the sibling that adds least area, then rotates subtrees on the way up where that
 //!   saves area (Kopta et al. 2012, "Fast, Effective BVH Updates for Animated Scenes"; Catto 2019, "Dynamic BVH").
 
@@ -16,6 +18,8 @@ mod tests;
 
 use crate::Aabb;
 
+/// Grown nodes per enlarged leaf from which tidying is worth it.
+const TIDY_PART: u32 = 2;
 /// No node, no leaf.
 const NONE: u32 = u32::MAX;
 /// Set in a child that is a leaf. [`NONE`] has it too and is asked about first.
@@ -29,11 +33,13 @@ struct Node {
     children: [u32; 2],
     /// For a free node: the next free one.
     parent: u32,
+    /// A leaf below was enlarged since the last [`Bvh::tidy`]; then so says its parent.
+    grown: bool,
 }
 
 impl Node {
     fn new(parent: u32) -> Self {
-        Self { boxes: [Aabb::EMPTY; 2], children: [NONE; 2], parent }
+        Self { boxes: [Aabb::EMPTY; 2], children: [NONE; 2], parent, grown: false }
     }
     #[inline(always)]
     fn bounds(&self) -> Aabb {
@@ -58,11 +64,24 @@ pub struct Bvh {
     root: u32,
     free_node: u32,
     free_leaves: Vec<u32>,
+    /// Grown nodes, and leaves enlarged, since the last tidying.
+    grown: u32,
+    enlarged: u32,
+    work: build::Work,
 }
 
 impl Default for Bvh {
     fn default() -> Self {
-        Self { nodes: Vec::new(), leaves: Vec::new(), root: NONE, free_node: NONE, free_leaves: Vec::new() }
+        Self {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            root: NONE,
+            free_node: NONE,
+            free_leaves: Vec::new(),
+            grown: 0,
+            enlarged: 0,
+            work: build::Work::default(),
+        }
     }
 }
 
@@ -103,8 +122,8 @@ impl Bvh {
             self.attach(leaf, aabb);
         }
     }
-    /// Gives a leaf a new box in place and grows its ancestors where they do not hold it (cheap; ancestors never
-    /// shrink and quality decays until [`Bvh::refit`] or [`Bvh::rebuild`]).
+    /// Gives a leaf a new box in place and grows its ancestors where they do not hold it: cheap, but ancestors never shrink.
+    /// [`Bvh::tidy`] mends that.
     pub fn enlarge(&mut self, leaf: u32, aabb: Aabb) {
         if !self.is_leaf(leaf) {
             return;
@@ -112,18 +131,29 @@ impl Bvh {
         let mut n = self.leaves[leaf as usize].node;
         let mut slot = self.slot_of(n, LEAF | leaf);
         self.nodes[n as usize].boxes[slot] = aabb;
+        self.enlarged += 1;
         loop {
+            let known = core::mem::replace(&mut self.nodes[n as usize].grown, true);
+            self.grown += u32::from(!known);
             let parent = self.nodes[n as usize].parent;
             if parent == NONE {
                 return;
             }
             slot = self.slot_of(parent, n);
             let b = &mut self.nodes[parent as usize].boxes[slot];
-            if b.contains(&aabb) {
+            if !b.contains(&aabb) {
+                *b = b.union(&aabb);
+            } else if known {
                 return;
             }
-            *b = b.union(&aabb);
             n = parent;
+        }
+    }
+    /// Makes the part of the tree anew that [`Bvh::enlarge`] has grown, once that was asked often enough to be worth it: as often
+    /// as half that part has nodes. Subtrees in which nothing was enlarged stay.
+    pub fn tidy(&mut self) {
+        if self.enlarged > 0 && self.enlarged >= self.grown / TIDY_PART {
+            self.build_grown();
         }
     }
     /// Gives leaves new boxes and recomputes every ancestor exactly: `f(data, box)` returns the new box of a leaf.
@@ -253,8 +283,16 @@ impl Bvh {
         n
     }
     fn free(&mut self, n: u32) {
+        self.grown -= u32::from(self.nodes[n as usize].grown);
         self.nodes[n as usize] = Node::new(self.free_node);
         self.free_node = n;
+    }
+
+    /// Marks a node as grown where the other is.
+    fn mark_like(&mut self, n: u32, other: u32) {
+        let grown = self.nodes[other as usize].grown;
+        let known = core::mem::replace(&mut self.nodes[n as usize].grown, grown);
+        self.grown = self.grown + u32::from(grown) - u32::from(known);
     }
 
     fn attach(&mut self, leaf: u32, aabb: Aabb) {
@@ -271,12 +309,14 @@ impl Bvh {
             None => {
                 let (old, b) = (self.root, self.bounds());
                 self.root = self.new_node(NONE);
+                self.mark_like(self.root, old);
                 self.set(self.root, 0, b, old);
                 self.set(self.root, 1, aabb, LEAF | leaf);
             }
             Some((n, slot)) => {
                 let (b, child) = (self.nodes[n as usize].boxes[slot], self.nodes[n as usize].children[slot]);
                 let m = self.new_node(n);
+                self.mark_like(m, n);
                 self.set(m, 0, b, child);
                 self.set(m, 1, aabb, LEAF | leaf);
                 self.set(n, slot, b.union(&aabb), m);
@@ -391,6 +431,8 @@ impl Bvh {
         }
         let Some((slot, inner, k, b)) = best else { return };
         let (up_box, up) = (self.nodes[inner as usize].boxes[k], self.nodes[inner as usize].children[k]);
+        // What comes down may have grown.
+        self.mark_like(inner, n);
         self.set(inner, k, node.boxes[1 - slot], node.children[1 - slot]);
         self.set(n, 1 - slot, up_box, up);
         self.nodes[n as usize].boxes[slot] = b;
@@ -422,6 +464,9 @@ impl Bvh {
                     }
                 } else {
                     let c = self.nodes.get(child as usize).ok_or(format!("node {child} does not exist"))?;
+                    if c.grown && !node.grown {
+                        return Err(format!("node {child} has grown, and its parent {n} does not say so"));
+                    }
                     if c.parent != n {
                         return Err(format!("node {child} does not know its parent {n}"));
                     }
@@ -434,6 +479,10 @@ impl Bvh {
             if nodes > self.nodes.len() {
                 return Err("the nodes make a loop".into());
             }
+        }
+        let grown = self.nodes.iter().filter(|n| n.grown).count();
+        if grown != self.grown as usize {
+            return Err(format!("{grown} nodes have grown, {} are counted", self.grown));
         }
         if leaves != self.len() {
             return Err(format!("{leaves} leaves are linked, {} exist", self.len()));

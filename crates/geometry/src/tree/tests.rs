@@ -106,6 +106,7 @@ fn same_answers_as_a_list_through_inserts_moves_and_removals() {
                     assert_eq!(tree.data(list[k].0), Some(list[k].2));
                 }
                 5 if step % 5 == 0 => tree.rebuild(),
+                5 if step % 5 < 3 => tree.tidy(),
                 5 => tree.refit(|_, b| b),
                 _ => {}
             }
@@ -140,6 +141,35 @@ fn insertion_comes_near_the_built_tree() {
     let mut depth_cost = line.clone();
     depth_cost.rebuild();
     assert!(line.cost() < 2.0 * depth_cost.cost(), "{} against {}", line.cost(), depth_cost.cost());
+}
+
+/// Leaves that drift apart, a few at a time or all, leave a tree that is as good as one built anew; and the others' subtrees stay.
+#[test]
+fn tidied_trees_stay_good() {
+    let mut r = Random(3);
+    for moving in [40, 1000, 4000] {
+        let mut at: Vec<Vec3> = (0..4000).map(|_| r.vec(100.0)).collect();
+        let step: Vec<Vec3> = (0..4000).map(|_| r.vec(2.0)).collect();
+        let boxed = |p: Vec3| Aabb::from_center(p, Vec3::splat(1.0));
+        let mut tree = Bvh::build(&at.iter().zip(0..).map(|(&p, i)| (boxed(p), i)).collect::<Vec<_>>());
+        for _ in 0..200 {
+            for i in 0..moving {
+                at[i] += step[i];
+                tree.enlarge(i as u32, boxed(at[i]));
+            }
+            tree.tidy();
+        }
+        tree.validate().unwrap();
+        let mut anew = tree.clone();
+        anew.rebuild();
+        assert!(tree.cost() < 1.6 * anew.cost(), "{moving}: {} against {}", tree.cost(), anew.cost());
+        let mut untidy = Bvh::build(&at.iter().zip(0..).map(|(&p, i)| (boxed(p), i)).collect::<Vec<_>>());
+        untidy.enlarge(7, boxed(Vec3::splat(500.0)));
+        let before = untidy.nodes.len();
+        untidy.build_grown();
+        untidy.validate().unwrap();
+        assert_eq!(untidy.nodes.len(), before, "nodes are used again");
+    }
 }
 
 /// Centres at 2⁻ⁱ make the heuristic peel off one leaf at a time; equal boxes give it nothing to go by.

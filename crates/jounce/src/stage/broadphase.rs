@@ -104,17 +104,16 @@ fn search(world: &World, shape: u32, most: usize, out: &mut Vec<u64>) {
     }
     let kind = world.bodies[r.body].kind;
     let mut see = |other: u32| {
-        if may_meet(world, shape, other) && !finds_it_too(world, shape, other) {
-            let key = pair_key(shape, other);
-            if !world.pairs.contains(key) {
-                let room = out.len() < most;
-                if room || out.last() != Some(&CUT) {
-                    out.push(if room { key } else { CUT });
-                }
-                return room;
-            }
+        // Most are known; that takes one look, where all else takes one at each shape and body.
+        let key = pair_key(shape, other);
+        if world.pairs.contains(key) || !may_meet(world, shape, other) || finds_it_too(world, shape, other) {
+            return true;
         }
-        true
+        let room = out.len() < most;
+        if room || out.last() != Some(&CUT) {
+            out.push(if room { key } else { CUT });
+        }
+        room
     };
     if r.place == Place::Unbounded {
         for (other, _) in world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_))) {

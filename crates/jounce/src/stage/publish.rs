@@ -40,11 +40,12 @@ fn bounds(world: &mut World, step: &Step) {
             if !world.shapes[s].fat.contains(&tight) {
                 let fat = tight.expanded(margin_of(&tight, world.settings.length_unit));
                 world.shapes[s].fat = fat;
-                world.moving_tree.update(leaf, fat);
+                world.moving_tree.enlarge(leaf, fat);
                 world.mark_moved(s);
             }
         }
     }
+    world.moving_tree.tidy();
 }
 
 fn hits(world: &mut World) {
