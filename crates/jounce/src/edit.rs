@@ -188,10 +188,11 @@ impl World {
             hit_events: d.hit_events,
             user_data: d.user_data,
             place: Place::Nowhere,
-            fat: Aabb::EMPTY,
             moved: false,
             visitors: Vec::new(),
         });
+        self.fat.resize(self.fat.len().max(slot as usize + 1), Aabb::EMPTY);
+        self.fat[slot as usize] = Aabb::EMPTY;
         self.bouncy += usize::from(is_bouncy(&self.shapes[slot]));
         self.bodies[body].shapes.push(slot);
         if d.sensor {
@@ -664,7 +665,7 @@ impl World {
             Place::Unbounded
         } else {
             let fat = self.fat_bounds(slot, fixed);
-            self.shapes[slot].fat = fat;
+            self.fat[slot as usize] = fat;
             if fixed {
                 Place::FixedTree(self.fixed_tree.insert(fat, slot))
             } else {
@@ -732,7 +733,7 @@ impl World {
                 Place::MovingTree(leaf) => self.moving_tree.update(leaf, fat),
             }
             if self.shapes[s].place != Place::Unbounded {
-                self.shapes[s].fat = fat;
+                self.fat[s as usize] = fat;
             }
             self.mark_moved(s);
             self.wake_near(s);

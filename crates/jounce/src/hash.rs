@@ -8,6 +8,7 @@ use crate::room::contacts::state::{Contact, Place, ShapeRecord};
 use crate::room::rigid::state::{Body, BodyFrame};
 use crate::world::World;
 use core::fmt::Write;
+use jounce_geometry::Aabb;
 use jounce_math::{DVec3, Pose, Quat, Vec3};
 
 /// Incremental 64-bit hash of words.
@@ -118,7 +119,7 @@ impl World {
             }
         }
         for (i, s) in self.shapes.iter() {
-            hash_shape(&mut h, i, s);
+            hash_shape(&mut h, i, s, &self.fat[i as usize]);
         }
         for (place, rows) in [(0, &self.contacts), (1, &self.asleep_contacts)] {
             h.pair(place, rows.len() as u32);
@@ -209,7 +210,7 @@ fn hash_body(h: &mut StateHasher, b: &Body, f: &BodyFrame) {
     hash_user_data(h, b.user_data, 0);
 }
 
-fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord) {
+fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord, fat: &Aabb) {
     // The default is no word: worlds without fields keep their hashes.
     if s.aero != crate::Aero::default() {
         h.floats(s.aero.drag.unwrap_or(-1.0), s.aero.area.unwrap_or(-1.0));
@@ -224,8 +225,8 @@ fn hash_shape(h: &mut StateHasher, i: u32, s: &ShapeRecord) {
         Place::Unbounded => 3,
     };
     h.pair(place, u32::from(s.sensor));
-    h.vec3(s.fat.min);
-    h.vec3(s.fat.max);
+    h.vec3(fat.min);
+    h.vec3(fat.max);
     for &(a, b) in &s.visitors {
         h.pair(a, b);
     }

@@ -211,7 +211,7 @@ impl World {
             let moving = self.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_)));
             near.extend(moving.map(|(i, _)| i).filter(|&i| near_plane(self, shape, i)));
         } else {
-            self.moving_tree.query(&self.shapes[shape].fat, |other| {
+            self.moving_tree.query(&self.fat[shape as usize], |other| {
                 near.push(other);
                 true
             });

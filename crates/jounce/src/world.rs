@@ -16,7 +16,7 @@ use crate::room::vehicles::state::Vehicles;
 use crate::settings::{Settings, WorldDesc};
 use crate::stage::Scratch;
 use crate::table::{PairMap, Table};
-use jounce_geometry::Bvh;
+use jounce_geometry::{Aabb, Bvh};
 use jounce_lanes::Width;
 use jounce_math::{DVec3, Quat, Vec3};
 use jounce_tasks::Tasks;
@@ -44,6 +44,8 @@ pub struct World {
     pub(crate) sensors: Vec<u32>,
     /// Shapes with restitution: while there are any, bounds look a step ahead.
     pub(crate) bouncy: usize,
+    /// Fat bounds of shapes by slot, as they are in the trees.
+    pub(crate) fat: Vec<Aabb>,
     pub(crate) fixed_tree: Bvh,
     pub(crate) moving_tree: Bvh,
     pub(crate) unbounded: Vec<u32>,
@@ -195,6 +197,7 @@ impl World {
             shapes: Table::default(),
             sensors: Vec::new(),
             bouncy: 0,
+            fat: Vec::new(),
             fixed_tree: Bvh::new(),
             moving_tree: Bvh::new(),
             unbounded: Vec::new(),

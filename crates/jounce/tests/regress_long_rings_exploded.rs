@@ -1,12 +1,13 @@
 //! Long rings of hinges and welds say some things twice, and the pivot of the last joint of the loop was rounding: a ring of 81 welds
 //! that fell from two metres went from 6 kJ to 4.5 MJ.
 
+use jounce::math::scalar::f64s;
 use jounce::prelude::*;
 use jounce::{JointDesc, JointKind};
 
 /// Capsules of 1 kg in an upright ring, 40 cm from joint to joint; one of them is pushed sideways.
 fn ring(n: usize, weld: bool) -> World {
-    use jounce::math::scalar::f64s::{cos, sin};
+    use f64s::{cos, sin};
     let mut w = World::new(WorldDesc::default()).unwrap();
     w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
     let half = core::f64::consts::PI / n as f64;
@@ -47,8 +48,8 @@ fn long_rings_keep_their_energy() {
         for _ in 0..60 * 10 {
             w.step().unwrap();
             let now = w.energy().total();
-            least = least.min(now);
-            most = most.max(now - least);
+            least = f64s::min(least, now);
+            most = f64s::max(most, now - least);
         }
         println!("{n}, weld {weld}: {start:.0} J, gains {most:.1}");
         // What a weld that yields has stored comes back: a blow's part. No more than a tenth.

@@ -195,7 +195,8 @@ impl World {
         }
         let d = ray.dir.as_dvec3();
         let length = d.length();
-        let (lo, hi) = (r.fat.min.as_dvec3(), r.fat.max.as_dvec3());
+        let fat = &self.fat[slot as usize];
+        let (lo, hi) = (fat.min.as_dvec3(), fat.max.as_dvec3());
         let to_center = (lo + hi) * 0.5 - ray.origin;
         let reach = (hi - lo).length() * 0.5 + 1.0;
         let start = to_center.dot(d) / (length * length) - reach / length;

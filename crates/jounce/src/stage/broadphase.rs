@@ -115,6 +115,7 @@ fn search(world: &World, shape: u32, most: usize, out: &mut Vec<u64>) {
         }
         room
     };
+    let fat = &world.fat[shape as usize];
     if r.place == Place::Unbounded {
         for (other, _) in world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_))) {
             if near_plane(world, shape, other) && !see(other) {
@@ -123,9 +124,9 @@ fn search(world: &World, shape: u32, most: usize, out: &mut Vec<u64>) {
         }
         return;
     }
-    world.moving_tree.query(&r.fat, &mut see);
+    world.moving_tree.query(fat, &mut see);
     if kind == BodyKind::Dynamic {
-        world.fixed_tree.query(&r.fat, &mut see);
+        world.fixed_tree.query(fat, &mut see);
     }
     for &plane in &world.unbounded {
         if near_plane(world, plane, shape) && !see(plane) {
@@ -143,12 +144,12 @@ fn finds_it_too(world: &World, shape: u32, other: u32) -> bool {
 
 /// Do a shape's fat bounds reach a half-space?
 pub(crate) fn near_plane(world: &World, plane: u32, shape: u32) -> bool {
-    let (p, s) = (&world.shapes[plane], &world.shapes[shape]);
+    let (p, fat) = (&world.shapes[plane], &world.fat[shape as usize]);
     let Shape::HalfSpace { normal, offset } = p.shape else { return false };
     let pose = world.frames[p.body as usize].shape_pose(&p.pose);
     let n = pose.q.rotate(normal);
-    let c = ((s.fat.min.as_dvec3() + s.fat.max.as_dvec3()) * 0.5 - pose.p).as_vec3();
-    let reach = s.fat.half().dot(n.abs());
+    let c = ((fat.min.as_dvec3() + fat.max.as_dvec3()) * 0.5 - pose.p).as_vec3();
+    let reach = fat.half().dot(n.abs());
     n.dot(c) - offset <= reach + world.settings.speculative_margin()
 }
 
@@ -195,6 +196,7 @@ fn make_contact(world: &mut World, key: u64) {
         now_touching: false,
         apart: false,
         fixed: !dynamic(a) || !dynamic(b),
+        planes: [ra, rb].map(|r| r.place == Place::Unbounded),
         cache: PairCache::default(),
         tested_pose: Pose::IDENTITY,
         tested_rotations: [Quat::IDENTITY; 2],

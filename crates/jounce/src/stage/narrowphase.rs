@@ -4,7 +4,7 @@ use super::{Step, broadphase};
 use crate::hooks::{ContactView, PairView};
 use crate::room::contacts::crowd;
 use crate::room::contacts::desc::{Combine, Material};
-use crate::room::contacts::state::{Contact, ContactManifold, Place, Point, ShapeRecord, Surface};
+use crate::room::contacts::state::{Contact, ContactManifold, Point, ShapeRecord, Surface};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide};
@@ -41,15 +41,14 @@ pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
 }
 
 fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
-    let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
-    c.apart = !bounds_meet(world, c, ra, rb);
+    c.apart = !bounds_meet(world, c);
     if c.apart {
         c.now_touching = false;
         return;
     }
     let pose = relative_pose(world, c);
     if !recycle(world, c, &pose) {
-        test(world, c, ra, rb, &pose, set, dt);
+        test(world, c, &pose, set, dt);
     }
     if let Some((_, hook)) = &world.hooks.contact {
         ask_hook(world, c, hook.as_ref());
@@ -61,11 +60,11 @@ fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
     c.deep = deep;
 }
 
-fn bounds_meet(world: &World, c: &Contact, a: &ShapeRecord, b: &ShapeRecord) -> bool {
-    match (a.place, b.place) {
-        (Place::Unbounded, _) => broadphase::near_plane(world, c.shape_a, c.shape_b),
-        (_, Place::Unbounded) => broadphase::near_plane(world, c.shape_b, c.shape_a),
-        _ => a.fat.overlaps(&b.fat),
+fn bounds_meet(world: &World, c: &Contact) -> bool {
+    match c.planes {
+        [true, _] => broadphase::near_plane(world, c.shape_a, c.shape_b),
+        [_, true] => broadphase::near_plane(world, c.shape_b, c.shape_a),
+        _ => world.fat[c.shape_a as usize].overlaps(&world.fat[c.shape_b as usize]),
     }
 }
 
@@ -134,12 +133,11 @@ fn direction(body: u32) -> Vec3 {
 fn test(
     world: &World,
     c: &mut Contact,
-    ra: &ShapeRecord,
-    rb: &ShapeRecord,
     pose: &Pose,
     set: &mut ManifoldSet,
     dt: f32,
 ) {
+    let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
     let in_a = Pose::new(ra.pose.p - fa.local_center, ra.pose.q);
     let in_b = Pose::new(rb.pose.p - fb.local_center, rb.pose.q);

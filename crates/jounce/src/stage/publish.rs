@@ -37,9 +37,9 @@ fn bounds(world: &mut World, step: &Step) {
             // Bouncing pairs must be seen a step ahead.
             let ahead = Aabb::new(tight.min + motion, tight.max + motion);
             tight = tight.union(&ahead);
-            if !world.shapes[s].fat.contains(&tight) {
+            if !world.fat[s as usize].contains(&tight) {
                 let fat = tight.expanded(margin_of(&tight, world.settings.length_unit));
-                world.shapes[s].fat = fat;
+                world.fat[s as usize] = fat;
                 world.moving_tree.enlarge(leaf, fat);
                 world.mark_moved(s);
             }

@@ -154,7 +154,7 @@ impl Around<'_> {
         let r = &self.world.shapes[s];
         let b = match self.ahead_of(r.body) {
             Some(a) => world_bounds(&r.shape, &a.to.compose(&r.pose)),
-            None => r.fat,
+            None => self.world.fat[s as usize],
         };
         if (b.max - b.min).max_component() > 2.0 * self.height {
             return None;
@@ -231,7 +231,7 @@ impl Around<'_> {
         }
         match self.ahead_of(r.body) {
             Some(_) => world_bounds(&r.shape, &self.place(s)).overlaps(bounds),
-            None => r.fat.overlaps(bounds),
+            None => self.world.fat[s as usize].overlaps(bounds),
         }
     }
 

@@ -3,7 +3,7 @@
 use super::desc::{Filter, MassSpec, Material};
 use crate::room::fields::desc::Aero;
 use crate::room::rigid::state::NONE;
-use jounce_geometry::{Aabb, PairCache, Shape};
+use jounce_geometry::{PairCache, Shape};
 use jounce_math::{Pose, Quat, Vec3};
 
 /// Which tree a shape's bounds are in.
@@ -40,8 +40,6 @@ pub(crate) struct ShapeRecord {
     pub volume: f32,
     pub ball_radius: f32,
     pub place: Place,
-    /// Fat bounds in the tree.
-    pub fat: Aabb,
     /// In the move buffer.
     pub moved: bool,
     /// Smallest thickness, metres: sets the slop.
@@ -154,6 +152,8 @@ pub(crate) struct Contact {
     pub now_touching: bool,
     pub apart: bool,
     pub fixed: bool,
+    /// Which of the two shapes has no bounds.
+    pub planes: [bool; 2],
     pub cache: PairCache,
     /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
     pub tested_pose: Pose,

@@ -75,7 +75,8 @@ fn bounds(world: &World, slot: u32, origin: DVec3) -> (Vec3, Vec3) {
         return (Vec3::splat(f32::MIN), Vec3::splat(f32::MAX));
     }
     let by = Vec3::splat(moved(world, r.body));
-    let (lo, hi) = (r.fat.min.as_dvec3() - origin, r.fat.max.as_dvec3() - origin);
+    let fat = &world.fat[slot as usize];
+    let (lo, hi) = (fat.min.as_dvec3() - origin, fat.max.as_dvec3() - origin);
     let down = Vec3::new(round_down(lo.x), round_down(lo.y), round_down(lo.z));
     let up = Vec3::new(round_up(hi.x), round_up(hi.y), round_up(hi.z));
     (down - by, up + by)
