@@ -2,7 +2,8 @@
 
 use super::merge::{Outline, merge};
 use super::quickhull::{Flat, QuickHull};
-use crate::{Aabb, GeometryError, limits, shapes::hull_mass};
+use crate::shapes::{corners::Corners, hull_mass};
+use crate::{Aabb, GeometryError, limits};
 use jounce_math::{
     DVec3, Vec3,
     scalar::{f32s, f64s},
@@ -41,6 +42,8 @@ pub struct HullEdge {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hull {
     pub(crate) vertices: Vec<Vec3>,
+    /// The same, for those who ask all of them.
+    pub(crate) corners: Corners,
     pub(crate) faces: Vec<HullFace>,
     pub(crate) loops: Vec<u16>,
     pub(crate) edges: Vec<HullEdge>,
@@ -147,11 +150,12 @@ impl Hull {
             faces.push(HullFace { normal, offset: offset as f32, first, count });
         }
         let aabb = Aabb::from_points(vertices.iter().copied());
+        let corners = Corners::new(&vertices);
         let edges = edges_of(&faces, &loops);
         let center = aabb.center();
         let (volume, centroid) = (0.0, center.as_dvec3());
         let mut hull =
-            Self { vertices, faces, loops, edges, aabb, center, inner_radius: 0.0, volume, centroid };
+            Self { vertices, corners, faces, loops, edges, aabb, center, inner_radius: 0.0, volume, centroid };
         let (volume, center, _) = hull_mass(&hull, 1.0);
         let gap = |f: &HullFace| f64::from(f.offset) - f.normal.as_dvec3().dot(center);
         let inner = hull.faces.iter().map(gap).fold(f64::INFINITY, f64s::min);

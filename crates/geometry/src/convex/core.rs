@@ -82,7 +82,7 @@ impl<'a> Core<'a> {
                 let tip = Vec3::new(0.0, h, 0.0);
                 if tip.dot(d) > base.dot(d) { tip } else { base }
             }
-            Core::Hull(h) => support_of(h.vertices(), d),
+            Core::Hull(h) => h.vertices[h.corners.farthest(d)],
             Core::Triangle(t) => support_of(&t, d),
         }
     }

@@ -1,5 +1,6 @@
 //! One view of everything with flat faces: boxes, hulls and (as two-faced flat polyhedra) triangles.
 
+use crate::shapes::corners::Corners;
 use crate::{Hull, HullEdge, HullFace};
 use jounce_math::Vec3;
 
@@ -7,6 +8,8 @@ use jounce_math::Vec3;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Poly<'a> {
     pub vertices: &'a [Vec3],
+    /// Those of a hull, four abreast.
+    corners: Option<&'a Corners>,
     pub faces: &'a [HullFace],
     pub loops: &'a [u16],
     pub edges: &'a [HullEdge],
@@ -38,6 +41,9 @@ impl<'a> Poly<'a> {
     }
     /// A vertex farthest along `d`.
     pub fn support(&self, d: Vec3) -> usize {
+        if let Some(corners) = self.corners {
+            return corners.farthest(d);
+        }
         let (mut best, mut at) = (f32::NEG_INFINITY, 0);
         for (i, v) in self.vertices.iter().enumerate() {
             let s = v.dot(d);
@@ -53,6 +59,7 @@ impl<'a> From<&'a Hull> for Poly<'a> {
     fn from(h: &'a Hull) -> Self {
         Self {
             vertices: &h.vertices,
+            corners: Some(&h.corners),
             faces: &h.faces,
             loops: &h.loops,
             edges: &h.edges,
@@ -107,6 +114,7 @@ impl BoxPoly {
     pub fn view(&self) -> Poly<'_> {
         Poly {
             vertices: &self.vertices,
+            corners: None,
             faces: &self.faces,
             loops: &BOX_LOOPS,
             edges: &BOX_EDGES,
@@ -148,6 +156,7 @@ impl TrianglePoly {
     pub fn view(&self) -> Poly<'_> {
         Poly {
             vertices: &self.vertices,
+            corners: None,
             faces: &self.faces,
             loops: &TRIANGLE_LOOP,
             edges: &TRIANGLE_EDGES,

@@ -9,8 +9,7 @@ use crate::{Aabb, Hull, HullFace, NO_SUB};
 use jounce_math::{DMat3, DVec3, Pose, Vec3};
 
 pub(super) fn aabb(hull: &Hull, pose: &Pose) -> Aabb {
-    let m = pose.q.to_mat3();
-    let b = Aabb::from_points(hull.vertices.iter().map(|&v| m * v));
+    let b = hull.corners.bounds(&pose.q.to_mat3());
     Aabb::new(b.min + pose.p, b.max + pose.p)
 }
 

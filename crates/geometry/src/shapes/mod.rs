@@ -3,6 +3,7 @@
 mod capsule;
 pub mod compound;
 mod cone;
+pub(crate) mod corners;
 mod cuboid;
 mod cylinder;
 mod half_space;
