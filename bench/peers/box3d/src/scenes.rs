@@ -38,6 +38,10 @@ pub const SCENES: &[Scene] = &[
     Scene { build: washer, capacity: washer_capacity, ..scene("washer", 1000) },
     Scene { build: convex_pile, capacity: convex_pile_capacity, ..scene("convex_pile", 500) },
     Scene { build: large_world, capacity: large_world_capacity, ..scene("large_world", 500) },
+    Scene { build: |world| trees(world, 1), ..scene("trees100", 500) },
+    Scene { build: |world| trees(world, 2), ..scene("trees50", 500) },
+    Scene { build: |world| trees(world, 4), ..scene("trees25", 500) },
+    Scene { build: convex_vs_mesh, gravity_y: -9.81, ..scene("convex_vs_mesh", 500) },
     Scene { build: jolt_pyramid, gravity_y: -9.81, ..scene("jolt_pyramid", 500) },
     Scene { build: heavy_on_light, quality: sink_quality, gravity_y: -9.81, ..scene("heavy_on_light", 600) },
 ];
@@ -318,6 +322,87 @@ fn jolt_pyramid(world: &mut World) -> Result<Before, String> {
                 def.enableSleep = false;
                 let body = world.body(&def);
                 world.shape(body, &Shape::block(1.0, 1.0, 1.0), options);
+            }
+        }
+    }
+    Ok(nothing())
+}
+
+/// Two triangles for each of nx × nz quads, from vertices in x-major order.
+fn quads(nx: usize, nz: usize) -> Vec<[usize; 3]> {
+    let v = |x: usize, z: usize| x * (nz + 1) + z;
+    let cell = |x, z| {
+        let (v00, v01, v10, v11) = (v(x, z), v(x, z + 1), v(x + 1, z), v(x + 1, z + 1));
+        [[v00, v01, v11], [v11, v10, v00]]
+    };
+    (0..nx).flat_map(|x| (0..nz).flat_map(move |z| cell(x, z))).collect()
+}
+
+/// Fifty trees of 22 logs each fall over on waves; `scale` cells to a metre.
+fn trees(world: &mut World, scale: usize) -> Result<Before, String> {
+    let (nx, nz, cell) = (150 * scale, 200 * scale, 1.0 / scale as f32);
+    let wave = |i: usize, rate: f32| (2.0 * PI * rate * cell * i as f32).sin();
+    let at = |i: usize, n: usize| (i as f32 - 0.5 * n as f32) * cell;
+    let point = |i, j| vec3(at(i, nx), 0.4 * wave(i, 0.1) * wave(j, 0.05), at(j, nz));
+    let mut points: Vec<_> = (0..=nx).flat_map(|i| (0..=nz).map(move |j| point(i, j))).collect();
+    let ground = world.body(&World::body_def(STATIC, 0.0, 0.0, 0.0));
+    let options = ShapeOptions { friction: 0.9, rolling: 0.05, density: 1.0, ..Default::default() };
+    world.mesh(ground, &mut points, &quads(nx, nz), options)?;
+    for k in 0..50 {
+        let mut def = World::body_def(DYNAMIC, 0.0, 1.0, -70.0 + 3.0 * k as f32);
+        def.sleepThreshold = 0.2;
+        let tree = world.body(&def);
+        let (mut base, mut radius, length) = (1.0f32, 0.75f32, 1.5f32);
+        for _ in 0..22 {
+            let corner = |i: usize, y: f32| {
+                let angle = 2.0 * PI * i as f32 / 6.0;
+                vec3(radius * angle.cos(), y, radius * angle.sin())
+            };
+            let (low, high) = (base - radius, base + length + radius);
+            let corners: Vec<_> = (0..6).flat_map(|i| [corner(i, low), corner(i, high)]).collect();
+            world.shape(tree, &Shape::Hull(&Hull::new(&corners)?), options);
+            base += length + 2.0 * radius;
+            radius *= 0.95;
+        }
+        let sign = if k % 2 == 0 { -0.5 } else { 0.5 };
+        let spin = sign * (0.5 + 0.5 * k as f32 / 50.0);
+        // ω × c, for ω along z.
+        let c = world.local_center(tree);
+        world.set_velocity(tree, vec3(-spin * c.y, spin * c.x, 0.0), vec3(0.0, 0.0, spin));
+    }
+    Ok(nothing())
+}
+
+/// Boxes, balls, capsules and hulls on a mesh of steep waves.
+fn convex_vs_mesh(world: &mut World) -> Result<Before, String> {
+    const SIDE: usize = 100;
+    let point = |x: usize, z: usize| {
+        let y = 5.0 * (0.5 * x as f32).sin() * (0.5 * z as f32).cos();
+        vec3(3.0 * x as f32, y, 3.0 * z as f32)
+    };
+    let mut points: Vec<_> = (0..=SIDE).flat_map(|z| (0..=SIDE).map(move |x| point(x, z))).collect();
+    let cell = |x: usize, z: usize| {
+        let s = x + z * (SIDE + 1);
+        [[s, s + SIDE + 1, s + 1], [s + 1, s + SIDE + 1, s + SIDE + 2]]
+    };
+    let triangles: Vec<_> = (0..SIDE).flat_map(|z| (0..SIDE).flat_map(move |x| cell(x, z))).collect();
+    let options = ShapeOptions { friction: 0.5, restitution: 0.6, ..Default::default() };
+    let ground = world.body(&World::body_def(STATIC, -150.0, 5.0, -150.0));
+    world.mesh(ground, &mut points, &triangles, options)?;
+    let tips = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
+    let hull = Hull::new(&tips.map(|[x, y, z]| vec3(x, y, z)))?;
+    let shapes = [
+        Shape::block(0.5, 0.75, 1.0),
+        Shape::Sphere { radius: 0.5 },
+        Shape::Capsule { half_height: 0.75, radius: 0.5 },
+        Shape::Hull(&hull),
+    ];
+    for i in -10..=10 {
+        for j in -10..=10 {
+            for (k, shape) in shapes.iter().enumerate() {
+                let (x, y, z) = (7.5 * i as f32, 15.0 + 2.0 * k as f32, 7.5 * j as f32);
+                let body = world.body(&World::body_def(DYNAMIC, x, y, z));
+                world.shape(body, shape, options);
             }
         }
     }

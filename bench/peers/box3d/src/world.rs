@@ -69,6 +69,8 @@ pub enum Shape<'a> {
     Box { half: [f32; 3], centre: [f32; 3] },
     /// Radius in metres, centred on the body.
     Sphere { radius: f32 },
+    /// Half the length between the centres of the caps, along y, and their radius, in metres.
+    Capsule { half_height: f32, radius: f32 },
     /// A hull shared between bodies.
     Hull(&'a Hull),
 }
@@ -87,6 +89,10 @@ pub struct ShapeOptions {
     pub density: f32,
     /// Coefficient of friction.
     pub friction: f32,
+    /// Coefficient of restitution.
+    pub restitution: f32,
+    /// Rolling resistance, of balls and capsules.
+    pub rolling: f32,
     /// A static shape looks for contacts at creation.
     pub buffer_move: bool,
     /// Touches nothing of its own kind.
@@ -95,7 +101,14 @@ pub struct ShapeOptions {
 
 impl Default for ShapeOptions {
     fn default() -> Self {
-        ShapeOptions { density: 1000.0, friction: 0.6, buffer_move: false, ghost: false }
+        ShapeOptions {
+            density: 1000.0,
+            friction: 0.6,
+            restitution: 0.0,
+            rolling: 0.0,
+            buffer_move: false,
+            ghost: false,
+        }
     }
 }
 
@@ -104,6 +117,7 @@ pub struct World {
     id: ffi::b3WorldId,
     bodies: Vec<ffi::b3BodyId>,
     dynamic: Vec<ffi::b3BodyId>,
+    meshes: Vec<*mut ffi::b3MeshData>,
 }
 
 impl World {
@@ -117,7 +131,7 @@ impl World {
             def.capacity = capacity;
             ffi::b3CreateWorld(&def)
         };
-        World { id, bodies: Vec::new(), dynamic: Vec::new() }
+        World { id, bodies: Vec::new(), dynamic: Vec::new(), meshes: Vec::new() }
     }
 
     /// Keeps every island awake.
@@ -153,6 +167,8 @@ impl World {
             let mut def = ffi::b3DefaultShapeDef();
             def.density = options.density;
             def.baseMaterial.friction = options.friction;
+            def.baseMaterial.restitution = options.restitution;
+            def.baseMaterial.rollingResistance = options.rolling;
             def.invokeContactCreation = options.buffer_move;
             if options.ghost {
                 def.filter.categoryBits = 2;
@@ -167,10 +183,73 @@ impl World {
                     let sphere = ffi::b3Sphere { center: vec3(0.0, 0.0, 0.0), radius: *radius };
                     ffi::b3CreateSphereShape(body, &def, &sphere);
                 }
+                Shape::Capsule { half_height, radius } => {
+                    let capsule = ffi::b3Capsule {
+                        center1: vec3(0.0, -half_height, 0.0),
+                        center2: vec3(0.0, *half_height, 0.0),
+                        radius: *radius,
+                    };
+                    ffi::b3CreateCapsuleShape(body, &def, &capsule);
+                }
                 Shape::Hull(hull) => {
                     ffi::b3CreateHullShape(body, &def, hull.0);
                 }
             }
+        }
+    }
+
+    /// Attaches a mesh of counter-clockwise triangles to a fixed body.
+    pub fn mesh(
+        &mut self,
+        body: ffi::b3BodyId,
+        points: &mut [ffi::b3Vec3],
+        triangles: &[[usize; 3]],
+        options: ShapeOptions,
+    ) -> Result<(), String> {
+        let count = |n: usize| c_int::try_from(n).map_err(|e| e.to_string());
+        let mut indices = Vec::with_capacity(3 * triangles.len());
+        for &i in triangles.as_flattened() {
+            indices.push(count(i)?);
+        }
+        let def = ffi::b3MeshDef {
+            vertices: points.as_mut_ptr(),
+            indices: indices.as_mut_ptr(),
+            materialIndices: std::ptr::null_mut(),
+            weldTolerance: 0.0,
+            vertexCount: count(points.len())?,
+            triangleCount: count(triangles.len())?,
+            weldVertices: false,
+            useMedianSplit: false,
+            identifyEdges: true,
+        };
+        // SAFETY: the pointers and counts describe live vectors, which Box3D copies; no list of degenerate triangles is asked for.
+        // The mesh is destroyed after the world whose shapes use it.
+        unsafe {
+            let mesh = ffi::b3CreateMesh(&def, std::ptr::null_mut(), 0);
+            if mesh.is_null() {
+                return Err(format!("Box3D built no mesh from {} triangles", triangles.len()));
+            }
+            self.meshes.push(mesh);
+            let mut def = ffi::b3DefaultShapeDef();
+            def.baseMaterial.friction = options.friction;
+            def.baseMaterial.restitution = options.restitution;
+            ffi::b3CreateMeshShape(body, &def, mesh, vec3(1.0, 1.0, 1.0));
+        }
+        Ok(())
+    }
+
+    /// Where the centre of mass is, in the body's frame.
+    pub fn local_center(&self, body: ffi::b3BodyId) -> ffi::b3Vec3 {
+        // SAFETY: the body belongs to this world.
+        unsafe { ffi::b3Body_GetLocalCenter(body) }
+    }
+
+    /// Sets the velocity of the centre of mass, m/s, and the spin, rad/s.
+    pub fn set_velocity(&mut self, body: ffi::b3BodyId, v: ffi::b3Vec3, w: ffi::b3Vec3) {
+        // SAFETY: as above.
+        unsafe {
+            ffi::b3Body_SetLinearVelocity(body, v);
+            ffi::b3Body_SetAngularVelocity(body, w);
         }
     }
 
@@ -265,6 +344,9 @@ impl World {
 impl Drop for World {
     fn drop(&mut self) {
         // SAFETY: created in `new`, destroyed once.
-        unsafe { ffi::b3DestroyWorld(self.id) }
+        unsafe {
+            ffi::b3DestroyWorld(self.id);
+            self.meshes.iter().for_each(|&mesh| ffi::b3DestroyMesh(mesh));
+        }
     }
 }
