@@ -154,8 +154,18 @@ impl Hull {
         let edges = edges_of(&faces, &loops);
         let center = aabb.center();
         let (volume, centroid) = (0.0, center.as_dvec3());
-        let mut hull =
-            Self { vertices, corners, faces, loops, edges, aabb, center, inner_radius: 0.0, volume, centroid };
+        let mut hull = Self {
+            vertices,
+            corners,
+            faces,
+            loops,
+            edges,
+            aabb,
+            center,
+            inner_radius: 0.0,
+            volume,
+            centroid,
+        };
         let (volume, center, _) = hull_mass(&hull, 1.0);
         let gap = |f: &HullFace| f64::from(f.offset) - f.normal.as_dvec3().dot(center);
         let inner = hull.faces.iter().map(gap).fold(f64::INFINITY, f64s::min);

@@ -74,9 +74,15 @@ fn first_hit(world: &World, slot: u32, set: &mut ManifoldSet) -> f32 {
     let f = &world.frames[slot as usize];
     let mut first = 1.0;
     let mut core = Core::default();
+    let Some(state) = world.awake.state.get(body.row as usize).map(|s| s.get()) else { return first };
     for &s in &body.shapes {
         let r = &world.shapes[s];
         if r.sensor || r.place == Place::Nowhere {
+            continue;
+        }
+        // A part near the middle of a long body may move little while its end is fast.
+        let reach = r.shape.outer_radius(r.pose.inverse_transform_point(f.local_center));
+        if state.dp.length() + state.dr.length() * reach < FAST * 0.5 * r.thickness {
             continue;
         }
         let bounds = |c, q: jounce_math::Quat| {

@@ -130,13 +130,7 @@ fn direction(body: u32) -> Vec3 {
     Vec3::new(r * f32s::cos(turn), r * f32s::sin(turn), z)
 }
 
-fn test(
-    world: &World,
-    c: &mut Contact,
-    pose: &Pose,
-    set: &mut ManifoldSet,
-    dt: f32,
-) {
+fn test(world: &World, c: &mut Contact, pose: &Pose, set: &mut ManifoldSet, dt: f32) {
     let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
     let in_a = Pose::new(ra.pose.p - fa.local_center, ra.pose.q);
