@@ -22,6 +22,8 @@ const CHUNK: usize = 32;
 const CUT: u64 = u64::MAX;
 /// Room for keys that every unit keeps, whoever needed it: which one meets the next peak is chance.
 const KEPT: usize = 1 << 10;
+/// Units that keep room though they have nothing to do; a first step may have had thousands.
+const USUAL: usize = 256;
 /// Contacts whose list should not double: some 30 MB.
 const MANY: usize = 1 << 16;
 
@@ -42,11 +44,12 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             search(shared, shape, most, list);
         }
     });
-    let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
+    let usual = lists.len().min(units.max(USUAL));
+    let longest = lists[..units].iter().map(Vec::len).max().unwrap_or(0);
     let room = (2 * longest).min(KEPT);
     let mut keys = core::mem::take(&mut world.scratch.keys);
     keys.clear();
-    for list in &mut lists {
+    for list in &mut lists[..usual] {
         list.reserve(room.saturating_sub(list.len()));
     }
     for list in &lists[..units] {
