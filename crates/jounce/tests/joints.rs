@@ -547,13 +547,72 @@ fn the_iterative_solver_holds_too() {
             }
         }
     }
-    for i in [0, n - 1, n * (n - 1), n * n - 1] {
-        w.add_joint(JointDesc::ball(hook, grid[i as usize], at(&w, i))).unwrap();
-    }
-    run(&mut w, 5.0);
+    let hooks: Vec<JointId> = [0, n - 1, n * (n - 1), n * n - 1]
+        .into_iter()
+        .map(|i| w.add_joint(JointDesc::ball(hook, grid[i as usize], at(&w, i))).unwrap())
+        .collect();
+    run(&mut w, 0.1);
+    // The middle falls freely at first: the corners' pull comes later.
+    let middle = grid[(n * n / 2 + n / 2) as usize];
+    let v = w.body(middle).unwrap().velocity().y;
+    assert!((v + 0.981).abs() < 0.05, "{v}");
+    run(&mut w, 14.9);
+    // It hangs: the corners carry its weight, and the middle is below them.
+    let pull: f32 = hooks.iter().map(|&j| w.joint(j).unwrap().force().y).sum();
+    let weight = (n * n) as f32 * 0.2 * 9.81;
+    assert!((pull.abs() / weight - 1.0).abs() < 0.02, "{pull} N for {weight}");
+    let sag = -w.body(middle).unwrap().position().y;
+    assert!(sag > 0.5, "{sag}");
     let gap = joints.iter().map(|&j| w.joint(j).unwrap().gap()).fold(0.0, f32s::max);
     // Flat as it hangs, its pull is many times its weight; soft rows yield some centimetres of the 50 between two balls.
     assert!(gap < 0.05, "{gap}");
+}
+
+/// A net in flight falls as one body, and keeps its momentum and its spin.
+#[test]
+fn a_net_in_flight_keeps_its_momenta() {
+    let mut w = world();
+    let n = 10;
+    let place = |x: usize, y: usize| [x as f64 * 0.5, 0.0, y as f64 * 0.5];
+    let mut grid = Vec::new();
+    for y in 0..n {
+        for x in 0..n {
+            let b = ball(&mut w, place(x, y), 0.1, 0.2);
+            // Spins in its plane, and moves along.
+            let r = Vec3::new(x as f32 * 0.5 - 2.25, 0.0, y as f32 * 0.5 - 2.25);
+            w.set_velocity(b, Vec3::Y.cross(r) * 2.0 + Vec3::X * 3.0).unwrap();
+            w.set_angular_velocity(b, Vec3::Y * 2.0).unwrap();
+            grid.push(b);
+        }
+    }
+    for y in 0..n {
+        for x in 0..n {
+            for (u, v) in [(x + 1, y), (x, y + 1)] {
+                if u < n && v < n {
+                    let [p, q] = [place(x, y), place(u, v)];
+                    let middle = [0, 1, 2].map(|k| 0.5 * (p[k] + q[k]));
+                    w.add_joint(JointDesc::ball(grid[y * n + x], grid[v * n + u], middle)).unwrap();
+                }
+            }
+        }
+    }
+    // About the centre of mass, which falls.
+    let about = |w: &World| {
+        let mass = (n * n) as f64 * 0.2;
+        let c = grid.iter().map(|&b| w.body(b).unwrap().position()).fold(DVec3::ZERO, |s, p| s + p)
+            / (n * n) as f64;
+        let m = w.momentum();
+        (c, m.linear, m.angular - c.cross(m.linear), mass)
+    };
+    let (c0, p0, l0, mass) = about(&w);
+    run(&mut w, 1.0);
+    let (c, p, l, _) = about(&w);
+    // Semi-implicit steps of h fall by g t (t + h)/2.
+    let fall = c - c0 - DVec3::new(3.0, -0.5 * 9.81 * (1.0 + 1.0 / 240.0), 0.0);
+    assert!(fall.length() < 1e-3, "{fall:?}");
+    let change = p - p0 - DVec3::new(0.0, -9.81 * mass, 0.0);
+    assert!(change.length() < 1e-3 * p0.length(), "{change:?} of {p0:?}");
+    assert!((l - l0).length() < 0.01 * l0.length(), "{l:?} for {l0:?}");
 }
 
 /// A cable of ropes with weights gained energy out of nothing (from 0 to 100 J in a second): a rope took part only where the velocities

@@ -277,7 +277,7 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
     });
     for b in sets
         .iter()
-        .filter(|s| s.links.is_empty())
+        .filter(|s| s.is_alone())
         .flat_map(|s| &s.bodies)
         .filter(|b| b.row != NONE && b.moves())
     {
