@@ -17,8 +17,7 @@ use jounce_tasks::ColorSets;
 
 /// Is the set solved here? Row by row, and of kinds that the kernels know.
 pub(super) fn fits(world: &World, set: &JointSet, h: f32) -> bool {
-    // Mortar breaks as it should only where the blow stays near by: welds are solved in their order.
-    let known = |id: u32| Type::of(&world.joints.table[id].desc, h).is_some_and(|t| t != Type::Fixed);
+    let known = |id: u32| Type::of(&world.joints.table[id].desc, h).is_some();
     let unlocked = |row: u32| world.awake.step.get(row as usize).is_none_or(|b| b.locks == 0);
     set.plan.is_none()
         && set.gears.is_empty()
