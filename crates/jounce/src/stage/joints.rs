@@ -275,11 +275,8 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
             f(shared, set);
         }
     });
-    for b in sets
-        .iter()
-        .filter(|s| s.is_alone())
-        .flat_map(|s| &s.bodies)
-        .filter(|b| b.row != NONE && b.moves())
+    for b in
+        sets.iter().filter(|s| s.is_alone()).flat_map(|s| &s.bodies).filter(|b| b.row != NONE && b.moves())
     {
         world.awake.state[b.row as usize].put(&b.m);
         world.awake.turning[b.row as usize] = b.turning;

@@ -8,7 +8,7 @@
 use super::desc::LimitDesc;
 use super::extra::gains;
 use super::extra::{Duty, Sweep};
-use super::local::add;
+use super::local::Local;
 use super::rows::Hard;
 use super::set::{Constants, JointSet};
 use super::solve::{HARD, TOUCH, give_extra, limited};
@@ -258,12 +258,13 @@ impl JointSet {
         for (i, s) in self.joints.iter().enumerate() {
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
                 let lambda = plan.get(&self.numbers, i, r);
-                let (la, _, ia) = s.end(code, true);
-                let (lb, _, ib) = s.end(code, false);
-                add(&mut self.bodies[s.a], la, ia, lambda);
-                add(&mut self.bodies[s.b], lb, ib, lambda);
+                let (la, ja) = s.end(code, true);
+                let (lb, jb) = s.end(code, false);
+                self.bodies[s.a].push(la, ja, lambda);
+                self.bodies[s.b].push(lb, jb, lambda);
             }
         }
+        self.bodies.iter_mut().for_each(Local::give);
         let part = self.bodies.iter().map(|b| bearable(&b.dv, k)).fold(1.0, f64s::min);
         for (i, s) in self.joints.iter_mut().enumerate() {
             for r in 0..s.count {

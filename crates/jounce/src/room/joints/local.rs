@@ -1,5 +1,6 @@
 //! A body of a set, and its inertia under tension.
 
+use super::solve::wide;
 use crate::room::rigid::state::{InvInertia, Motion, NONE, Turning};
 use jounce_math::{Mat3, Quat, Vec3};
 
@@ -30,7 +31,7 @@ pub(crate) struct Local {
     pub loaded_dq: Quat,
     /// What tension adds to inertia in this substep.
     pub(super) added_inertia: Mat3,
-    /// Σ of the pass, f64: impulses of a heavy load through light links cancel to a millionth.
+    /// Σ of impulses in the pass, then the change that they make, f64: those of a heavy load through light links cancel to a millionth.
     pub(super) dv: [f64; 6],
     /// Velocities that the rounds of the active set start from.
     pub(super) before: [Vec3; 2],
@@ -86,16 +87,37 @@ impl Local {
             };
         }
     }
+    /// What an impulse along `l` and a moment about `j` change, m/s and rad/s: M⁻¹ in f64 throughout. A slender link turns 10⁶ times as
+    /// easily about itself as the load at its end; rounded to f32 on the way, the load's part of the matrix would drown.
+    pub(super) fn moved_by(&self, l: Vec3, j: Vec3) -> ([f64; 3], [f64; 3]) {
+        self.moved(wide(l), wide(j))
+    }
+    fn moved(&self, l: [f64; 3], j: [f64; 3]) -> ([f64; 3], [f64; 3]) {
+        let t = &self.tensor;
+        let m = wide(self.inv_mass);
+        let [xx, yy, zz, xy, xz, yz] = [t.xx, t.yy, t.zz, t.xy, t.xz, t.yz].map(f64::from);
+        let turn = [
+            xx * j[0] + xy * j[1] + xz * j[2],
+            xy * j[0] + yy * j[1] + yz * j[2],
+            xz * j[0] + yz * j[1] + zz * j[2],
+        ];
+        ([m[0] * l[0], m[1] * l[1], m[2] * l[2]], turn)
+    }
+    /// Adds an impulse to the sums of a pass.
+    pub(super) fn push(&mut self, l: Vec3, j: Vec3, lambda: f64) {
+        for (i, d) in wide(l).into_iter().chain(wide(j)).enumerate() {
+            self.dv[i] += d * lambda;
+        }
+    }
+    /// Sums of impulses to the velocities that they change.
+    pub(super) fn give(&mut self) {
+        let [a, b, c, d, e, f] = self.dv;
+        let ([a, b, c], [d, e, f]) = self.moved([a, b, c], [d, e, f]);
+        self.dv = [a, b, c, d, e, f];
+    }
     /// Joints can change its velocity.
     pub fn moves(&self) -> bool {
         self.inv_mass != Vec3::ZERO || self.tensor.xx > 0.0 || self.tensor.yy > 0.0 || self.tensor.zz > 0.0
-    }
-}
-
-pub(super) fn add(b: &mut Local, l: Vec3, i: Vec3, lambda: f64) {
-    for k in 0..3 {
-        b.dv[k] += f64::from(l[k]) * f64::from(b.inv_mass[k]) * lambda;
-        b.dv[k + 3] += f64::from(i[k]) * lambda;
     }
 }
 

@@ -153,10 +153,14 @@ impl JointSet {
             let (x, y) = (&self.joints[i as usize], &self.joints[k as usize]);
             let local = &self.bodies[body as usize];
             let (xa, ya) = (x.a == body as usize, y.a == body as usize);
+            let mut columns = [([0.0; 3], [0.0; 3]); ROWS];
+            for (column, &code) in columns.iter_mut().zip(&y.packed[..y.count]) {
+                let (l, j) = y.end(code, ya);
+                *column = local.moved_by(l, j);
+            }
             plan.add(n, i as usize, k as usize, |r, c| {
-                let (l, j, _) = x.end(x.packed[r], xa);
-                let (ol, _, oi) = y.end(y.packed[c], ya);
-                dot64(l.mul(local.inv_mass), ol) + dot64(j, oi)
+                let (l, j) = x.end(x.packed[r], xa);
+                dot64(l, columns[c].0) + dot64(j, columns[c].1)
             });
         }
         for (i, s) in self.joints.iter().enumerate() {

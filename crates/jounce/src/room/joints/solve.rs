@@ -261,16 +261,10 @@ impl Solve {
         }
     }
 
-    /// Direction along and about of a row of the direct solve on one of its bodies, and I⁻¹ times the latter.
-    pub(super) fn end(&self, code: u8, a: bool) -> (Vec3, Vec3, Vec3) {
-        let i = usize::from(code);
-        let (row, ia, ib) = if i < HARD {
-            (&self.hard.rows[i], self.ia[i], self.ib[i])
-        } else {
-            let x = &self.extra[i - HARD];
-            (&x.row, x.ia, x.ib)
-        };
-        if a { (row.la, row.ja, ia) } else { (row.lb, row.jb, ib) }
+    /// Direction along and about of a row of the direct solve on one of its bodies.
+    pub(super) fn end(&self, code: u8, a: bool) -> (Vec3, Vec3) {
+        let row = self.row(code);
+        if a { (row.la, row.ja) } else { (row.lb, row.jb) }
     }
     pub(super) fn row(&self, code: u8) -> &Row {
         let i = usize::from(code);
@@ -307,7 +301,7 @@ impl Solve {
         let (x, y) = (&self.hard.rows[r], &o.hard.rows[c]);
         let (l, j) = if a { (x.la, x.ja) } else { (x.lb, x.jb) };
         let (ol, i) = if oa { (y.la, o.ia[c]) } else { (y.lb, o.ib[c]) };
-        dot64(l.mul(body.inv_mass), ol) + dot64(j, i)
+        dot64(l.mul(body.inv_mass), wide(ol)) + dot64(j, wide(i))
     }
 
     pub(super) fn hold(&mut self, bodies: &mut [Local], k: &Constants, sweep: Sweep, first: bool) {
@@ -491,8 +485,12 @@ pub(super) fn inverse_mass(row: &Row, ia: Vec3, ib: Vec3, a: &Local, b: &Local) 
     row.la.dot(row.la.mul(a.inv_mass)) + row.ja.dot(ia) + row.lb.dot(row.lb.mul(b.inv_mass)) + row.jb.dot(ib)
 }
 
-pub(super) fn dot64(a: Vec3, b: Vec3) -> f64 {
-    f64::from(a.x) * f64::from(b.x) + f64::from(a.y) * f64::from(b.y) + f64::from(a.z) * f64::from(b.z)
+pub(super) fn dot64(a: Vec3, b: [f64; 3]) -> f64 {
+    f64::from(a.x) * b[0] + f64::from(a.y) * b[1] + f64::from(a.z) * b[2]
+}
+
+pub(super) fn wide(v: Vec3) -> [f64; 3] {
+    [f64::from(v.x), f64::from(v.y), f64::from(v.z)]
 }
 
 pub(super) fn limited(c: f32, most: f32) -> f32 {
