@@ -15,11 +15,16 @@ use crate::world::World;
 use jounce_lanes::Width;
 use jounce_tasks::ColorSets;
 
+/// Nets go to the lanes. Not yet: in 5 of 200 random worlds they leave non-finite values behind (docs/roadmap.md); until that is
+/// understood, sets solve them one by one.
+const IN_LANES: bool = false;
+
 /// Is the set solved here? Row by row, and of kinds that the kernels know.
 pub(super) fn fits(world: &World, set: &JointSet, h: f32) -> bool {
     let known = |id: u32| Type::of(&world.joints.table[id].desc, h).is_some();
     let unlocked = |row: u32| world.awake.step.get(row as usize).is_none_or(|b| b.locks == 0);
-    set.plan.is_none()
+    IN_LANES
+        && set.plan.is_none()
         && set.gears.is_empty()
         && set.joints.iter().all(|s| known(s.id))
         && set.bodies.iter().all(|b| unlocked(b.row))

@@ -1,7 +1,8 @@
 //! A point held: C = p_b − p_a = 0.
 //!
 //! Three rows along A's axes n: C = n·d, J = (−n, −(r_a + d) × n, n, r_b × n). Where something stronger tore the two apart, both are
-//! pulled at their own anchors, J = (−n, −r_a × n, n, r_b × n): no lever grows with d.
+//! pulled at their own anchors along the world's axes, J = (−n, −r_a × n, n, r_b × n): no lever grows with d, and dC/dt = J u still. (Axes
+//! that turn with A swept C by metres within a substep, which was asked back at once: 235 J became 50 kJ.)
 //! Limits: the cone C = γ − angle(x_a, x_b) ≥ 0 with j = x_a × x_b / |x_a × x_b|, and the twist about x between two angles.
 //! Motor: the rotation vector from the wanted pose, about A's axes.
 //!
@@ -10,15 +11,14 @@
 
 use super::desc::{BallDesc, LimitDesc};
 use super::extra::{Duty, Extras};
-use super::rows::{Ends, Hard, Row};
+use super::rows::{Ends, Hard, Row, unit};
 use crate::room::joints::desc::MotorTarget;
 
 pub(crate) fn rows(e: &Ends, out: &mut Hard) {
     let torn = e.d.length_squared() > TORN * TORN;
     for i in 0..3 {
-        let n = e.axis_a(i);
-        let row = e.along(n);
-        out.push(if torn { Row { c: row.c, ..e.beside(n) } } else { row });
+        let n = unit(i);
+        out.push(if torn { Row { c: n.dot(e.d), ..e.beside(n) } } else { e.along(e.axis_a(i)) });
     }
 }
 
