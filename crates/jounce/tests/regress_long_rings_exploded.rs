@@ -40,7 +40,7 @@ fn ring(n: usize, weld: bool) -> World {
 
 #[test]
 fn long_rings_keep_their_energy() {
-    for (n, weld) in [(81, true), (120, true), (120, false)] {
+    for (n, weld) in [(81, true), (120, true), (120, false), (140, true)] {
         let mut w = ring(n, weld);
         let start = w.energy().total();
         let mut least = start;

@@ -9,6 +9,7 @@
 //! * twist about x: C = 2 atan2(v_x, w), j = (x_a + x_b) / (1 + x_a·x_b);
 //! * cone: C = angle of x_a and x_b, j = x_a × x_b / |x_a × x_b|.
 
+use super::ball::TORN;
 use crate::room::rigid::solve::turn;
 use crate::room::rigid::state::Motion;
 use jounce_math::{Quat, Vec3, scalar::f32s};
@@ -54,6 +55,8 @@ pub(crate) struct Ends {
     pub qa: Quat,
     pub qb: Quat,
     pub d: Vec3,
+    /// The anchors are too far apart to be pulled at one point.
+    pub torn: bool,
 }
 
 impl Ends {
@@ -71,7 +74,8 @@ impl Ends {
     #[inline(always)]
     fn at(s: &Start, pa: Vec3, qa: Quat, pb: Vec3, qb: Quat) -> Self {
         let (ra, rb) = (qa.rotate(s.ra), qb.rotate(s.rb));
-        Self { ra, rb, qa: qa * s.qa, qb: qb * s.qb, d: s.offset + (pb - pa) + (rb - ra) }
+        let d = s.offset + (pb - pa) + (rb - ra);
+        Self { ra, rb, qa: qa * s.qa, qb: qb * s.qb, d, torn: d.length_squared() > TORN * TORN }
     }
     /// Rotation of B's frame in A's, the shorter way.
     #[inline(always)]

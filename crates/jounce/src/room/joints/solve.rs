@@ -27,6 +27,8 @@ pub(crate) struct Solve {
     pub(super) ib: [Vec3; HARD],
     /// One-sided rows: +1 pushes, −1 pulls, 0 both.
     pub(super) sign: f32,
+    /// Its points are pulled each at its own anchor.
+    torn: bool,
     /// The rows that hold take part.
     pub(super) active: bool,
     pub(super) soft: Option<SpringDesc>,
@@ -68,6 +70,7 @@ impl Solve {
             ia: [Vec3::ZERO; HARD],
             ib: [Vec3::ZERO; HARD],
             sign: 0.0,
+            torn: false,
             active: true,
             soft: None,
             give_way: [0.0; HARD],
@@ -198,7 +201,7 @@ impl Solve {
 
     /// Rows that hold, where the present velocities would take the bodies.
     pub(super) fn ahead(&self, j: &Joint, a: &Motion, b: &Motion, k: &Constants) -> Hard {
-        let e = Ends::predicted(&self.start, a, b, k.h);
+        let e = Ends { torn: self.torn, ..Ends::predicted(&self.start, a, b, k.h) };
         let mut ahead = Hard::default();
         let mut c = self.coordinate;
         self.rows(j, &e, [a.dp + a.v * k.h, b.dp + b.v * k.h], &mut c, &mut ahead);
@@ -212,6 +215,7 @@ impl Solve {
         let mut hard = self.hard;
         let mut slid = self.coordinate;
         self.sign = self.side(j, &e);
+        self.torn = e.torn;
         self.rows(j, &e, [a.m.dp, b.m.dp], &mut slid, &mut hard);
         self.hard = hard;
         let mut list = core::mem::take(&mut self.extra);
