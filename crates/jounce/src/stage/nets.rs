@@ -8,23 +8,18 @@ use crate::room::joints::hinge;
 use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
 use crate::room::joints::net::{Block, Type};
 use crate::room::joints::rows::Ends;
-use crate::room::joints::set::JointSet;
+use crate::room::joints::set::{self, JointSet, TORN};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::{BodyState, InvInertia, NONE};
 use crate::world::World;
 use jounce_lanes::Width;
 use jounce_tasks::ColorSets;
 
-/// Nets go to the lanes. Not yet: in 5 of 200 random worlds they leave non-finite values behind (docs/roadmap.md); until that is
-/// understood, sets solve them one by one.
-const IN_LANES: bool = false;
-
 /// Is the set solved here? Row by row, and of kinds that the kernels know.
 pub(super) fn fits(world: &World, set: &JointSet, h: f32) -> bool {
     let known = |id: u32| Type::of(&world.joints.table[id].desc, h).is_some();
     let unlocked = |row: u32| world.awake.step.get(row as usize).is_none_or(|b| b.locks == 0);
-    IN_LANES
-        && set.plan.is_none()
+    set.plan.is_none()
         && set.gears.is_empty()
         && set.joints.iter().all(|s| known(s.id))
         && set.bodies.iter().all(|b| unlocked(b.row))
@@ -79,8 +74,9 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step) {
 }
 
 fn constants(world: &World, step: &Step) -> Constants {
-    let k = super::joints::constants(world, step);
-    Constants { h: k.h, warm: k.warm, soft: k.soft, push_out: k.push_out, correct: k.correct * k.h }
+    let set::Constants { h, warm, soft, push_out, correct, speed_max, spin_max } =
+        super::joints::constants(world, step);
+    Constants { h, warm, soft, push_out, correct: correct * h, torn: TORN * correct, speed_max, spin_max }
 }
 
 /// One pass over all types and colours.

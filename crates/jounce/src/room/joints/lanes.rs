@@ -272,6 +272,13 @@ impl<L: Lanes> Sym<L> {
         let f = self.xx * self.yy - self.xy * self.xy;
         Sym { xx: a, yy: d, zz: f, xy: b, xz: c, yz: e }.scale(inv)
     }
+    /// With 1e-5 of its trace on the diagonal: what is left along a lever of hundreds of metres is rounding in f32, of either sign, and
+    /// a row that yields by so little is as good.
+    #[inline(always)]
+    pub fn eased(self) -> Self {
+        let e = self.trace() * L::splat(1e-5);
+        Self { xx: self.xx + e, yy: self.yy + e, zz: self.zz + e, ..self }
+    }
     /// T⁻¹ v; 0 where T is singular.
     #[inline(always)]
     pub fn solve(self, v: Wide3<L>) -> Wide3<L> {

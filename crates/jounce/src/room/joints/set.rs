@@ -320,6 +320,6 @@ impl JointSet {
 const FILL_AUTO: usize = 6;
 const FILL_ASKED: usize = 64;
 /// A joint is torn where it is off by more than errors are taken back in this time, s: a metre.
-pub(super) const TORN: f32 = 0.1;
+pub(crate) const TORN: f32 = 0.1;
 /// Part of a torn set's velocities against one another that a substep takes.
-pub(super) const CALMING: f32 = 0.9;
+pub(crate) const CALMING: f32 = 0.9;

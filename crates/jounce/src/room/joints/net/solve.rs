@@ -5,10 +5,11 @@
 use super::{Block, Type};
 use crate::room::contacts::prepare::Softness;
 use crate::room::contacts::rows::{LANES, Wide3};
-use crate::room::joints::lanes::{Sym, WideQuat, bounded, inverse};
+use crate::room::joints::lanes::{Sym, WideQuat, bounded, clamped, inverse};
+use crate::room::joints::set::CALMING;
 use crate::room::rigid::state::BodyState;
 use core::ops::Range;
-use jounce_lanes::{Kernel, Lanes, Width, dispatch};
+use jounce_lanes::{Kernel, Lanes, Mask, Width, dispatch};
 use jounce_tasks::Scatter;
 
 /// Which pass of the substep.
@@ -34,6 +35,11 @@ pub(crate) struct Constants {
     pub push_out: f32,
     /// Largest error of a point that is taken back at once, m.
     pub correct: f32,
+    /// Points further apart than this are torn, m.
+    pub torn: f32,
+    /// Most that an impulse changes velocities and spins, m/s and rad/s, as in sets.
+    pub speed_max: f32,
+    pub spin_max: f32,
 }
 
 /// One pass over one block.
@@ -190,6 +196,18 @@ impl<L: Lanes> Pair<L> {
         self.wa = self.wa.sub(self.ta.times(l));
         self.wb = self.wb.add(self.tb.times(l));
     }
+    /// The part of an impulse at the point that changes neither body by more than a pass may.
+    #[inline(always)]
+    fn bearable(&self, p: Wide3<L>, k: &Constants) -> L {
+        let (wa, wb) = (self.ta.times(self.ra.cross(p)), self.tb.times(self.rb.cross(p)));
+        let (m, most) = (self.ma.max(self.mb), L::splat(k.speed_max));
+        within(p.dot(p) * (m * m) / (most * most)).min(bearable_turn(wa, wb, k))
+    }
+    /// The part of a moment on B that changes neither body by more than a pass may.
+    #[inline(always)]
+    fn bearable_turn(&self, l: Wide3<L>, k: &Constants) -> L {
+        bearable_turn(self.ta.times(l), self.tb.times(l), k)
+    }
     /// Speed of the anchors against each other.
     #[inline(always)]
     fn slip(&self) -> Wide3<L> {
@@ -289,10 +307,10 @@ impl<L: Lanes> Pair<L> {
     #[inline(always)]
     fn solve(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants, first: bool) {
         if first && block.any_pull {
-            self.pull(block, at, kind);
+            self.pull(block, at, kind, k);
         }
         if block.any_drive {
-            self.drive(block, at, kind);
+            self.drive(block, at, kind, k);
         }
         if block.any_ends {
             self.push_ends(block, at, kind, k, true);
@@ -304,19 +322,20 @@ impl<L: Lanes> Pair<L> {
     #[inline(always)]
     fn relax(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
         if block.any_drive {
-            self.drive(block, at, kind);
+            self.drive(block, at, kind, k);
         }
         if block.any_ends {
             self.push_ends(block, at, kind, k, false);
         }
         self.hold_turns(block, at, kind, k, false);
         self.hold_point(block, at, k, false);
+        self.calm(block, at, k);
         self.account(block, at, kind, k);
     }
 
     /// The spring towards a rotation.
     #[inline(always)]
-    fn pull(&mut self, block: &mut Block, at: usize, kind: Type) {
+    fn pull(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
         let [a, b, max] = [0, 1, 2].map(
             #[inline(always)]
             |i: usize| L::load(&block.pull[i][at..]),
@@ -329,21 +348,22 @@ impl<L: Lanes> Pair<L> {
             let j = self.twist();
             let mass = inverse(j.dot(t.times(j)));
             let x = -mass * (a * left.x + b * (j.dot(self.spin()) - speed.x));
-            j.scale(x.max(-max).min(max))
+            j.scale(clamped(x, max))
         } else {
             let c = self.qa.rotate(left);
             let v = self.spin().sub(self.qa.rotate(speed));
-            let l = t.solve(c.scale(-a).sub(v.scale(b)));
+            let l = t.eased().solve(c.scale(-a).sub(v.scale(b)));
             // Strength about each of A's axes.
             self.qa.rotate(bounded(self.qa.conjugate().rotate(l), max))
         };
+        let l = l.scale(self.bearable_turn(l, k));
         l.store(&mut block.pull_impulse, at);
         self.turn(l);
     }
 
     /// A motor that holds a speed, or friction.
     #[inline(always)]
-    fn drive(&mut self, block: &mut Block, at: usize, kind: Type) {
+    fn drive(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
         let max = L::load(&block.drive[at..]);
         let speed = Wide3::<L>::load(&block.drive_speed, at);
         let old = Wide3::<L>::load(&block.drive_impulse, at);
@@ -351,15 +371,17 @@ impl<L: Lanes> Pair<L> {
         if kind == Type::Hinge {
             let j = self.twist();
             let mass = inverse(j.dot(t.times(j)));
-            let new = (old.x - mass * (j.dot(self.spin()) - speed.x)).max(-max).min(max);
-            Wide3::new(new, L::zero(), L::zero()).store(&mut block.drive_impulse, at);
-            self.turn(j.scale(new - old.x));
+            let new = clamped(old.x - mass * (j.dot(self.spin()) - speed.x), max);
+            let change = (new - old.x) * self.bearable_turn(j.scale(new - old.x), k);
+            Wide3::new(old.x + change, L::zero(), L::zero()).store(&mut block.drive_impulse, at);
+            self.turn(j.scale(change));
         } else {
             let v = self.spin().sub(self.qa.rotate(speed));
-            let change = self.qa.conjugate().rotate(t.solve(v));
-            let new = bounded(old.sub(change), max);
-            new.store(&mut block.drive_impulse, at);
-            self.turn(self.qa.rotate(new.sub(old)));
+            let change = self.qa.conjugate().rotate(t.eased().solve(v));
+            let change = bounded(old.sub(change), max).sub(old);
+            let change = change.scale(self.bearable_turn(self.qa.rotate(change), k));
+            old.add(change).store(&mut block.drive_impulse, at);
+            self.turn(self.qa.rotate(change));
         }
     }
 
@@ -382,9 +404,10 @@ impl<L: Lanes> Pair<L> {
             } else {
                 (end.gap.max(zero) * inv_h, one, zero)
             };
-            let new = (old - end.mass * (scale * v + bias) - fade * old).max(zero);
-            new.store(&mut impulse[at..]);
-            self.turn(end.j.scale(new - old));
+            let change = (old - end.mass * (scale * v + bias) - fade * old).max(zero) - old;
+            let change = change * self.bearable_turn(end.j.scale(change), k);
+            (old + change).store(&mut impulse[at..]);
+            self.turn(end.j.scale(change));
         }
     }
 
@@ -401,20 +424,25 @@ impl<L: Lanes> Pair<L> {
                 let (jy, jz) = (x.cross(y), x.cross(z));
                 let (ty, tz) = (t.times(jy), t.times(jz));
                 let (yy, yz, zz) = (jy.dot(ty), jy.dot(tz), jz.dot(tz));
+                let ease = (yy + zz) * L::splat(1e-5);
+                let (yy, zz) = (yy + ease, zz + ease);
                 let inv = inverse(yy * zz - yz * yz);
                 let spin = self.spin();
                 let (vy, vz) = (jy.dot(spin) + rate * y.dot(x), jz.dot(spin) + rate * z.dot(x));
                 let old = Wide3::<L>::load(&block.turn, at);
                 let dy = -(scale * inv * (zz * vy - yz * vz)) - fade * old.x;
                 let dz = -(scale * inv * (yy * vz - yz * vy)) - fade * old.y;
-                Wide3::new(old.x + dy, old.y + dz, L::zero()).store(&mut block.turn, at);
-                self.turn(jy.scale(dy).add(jz.scale(dz)));
+                let d = jy.scale(dy).add(jz.scale(dz));
+                let part = self.bearable_turn(d, k);
+                Wide3::new(old.x + part * dy, old.y + part * dz, L::zero()).store(&mut block.turn, at);
+                self.turn(d.scale(part));
             }
             Type::Fixed => {
                 let c = self.qb.times(self.qa.conjugate()).shorter().v.scale(L::splat(2.0));
                 let old = Wide3::<L>::load(&block.turn, at);
                 let v = self.spin().add(c.scale(rate));
-                let d = t.solve(v).scale(-scale).sub(old.scale(fade));
+                let d = t.eased().solve(v).scale(-scale).sub(old.scale(fade));
+                let d = d.scale(self.bearable_turn(d, k));
                 old.add(d).store(&mut block.turn, at);
                 self.turn(d);
             }
@@ -431,9 +459,29 @@ impl<L: Lanes> Pair<L> {
         let both = self.ma + self.mb;
         (m.xx, m.yy, m.zz) = (m.xx + both, m.yy + both, m.zz + both);
         let old = Wide3::<L>::load(&block.point, at);
-        let change = m.solve(v).scale(-scale).sub(old.scale(fade));
+        let change = m.eased().solve(v).scale(-scale).sub(old.scale(fade));
+        let change = change.scale(self.bearable(change, k));
         old.add(change).store(&mut block.point, at);
         self.push(change);
+    }
+
+    /// Draws the velocities of two whose points are torn apart towards their mean, as sets do: rows with such levers are no longer
+    /// linear in a substep, and would drive the bodies round for ever.
+    #[inline(always)]
+    fn calm(&mut self, block: &Block, at: usize, k: &Constants) {
+        let d = Wide3::<L>::load(&block.offset, at).add(self.pb.sub(self.pa)).add(self.rb.sub(self.ra));
+        let both = self.ma.min(self.mb).gt(L::zero());
+        let torn = d.dot(d).gt(L::splat(k.torn * k.torn)) & both;
+        if !torn.any() {
+            return;
+        }
+        let part = L::select(torn, L::splat(CALMING), L::zero());
+        let sum = L::select(both, self.ma + self.mb, L::splat(1.0));
+        let v = self.vb.sub(self.va).scale(part / sum);
+        self.va = self.va.add(v.scale(self.ma));
+        self.vb = self.vb.sub(v.scale(self.mb));
+        self.wa = self.wa.sub(self.wa.scale(part));
+        self.wb = self.wb.sub(self.wb.scale(part));
     }
 
     /// What the substep came to.
@@ -473,6 +521,21 @@ impl<L: Lanes> Pair<L> {
         }
         broke.store(&mut block.broke[at..]);
     }
+}
+
+/// The part of two changes of spin that a pass may make.
+#[inline(always)]
+fn bearable_turn<L: Lanes>(wa: Wide3<L>, wb: Wide3<L>, k: &Constants) -> L {
+    let most = L::splat(k.spin_max);
+    within(wa.dot(wa).max(wb.dot(wb)) / (most * most))
+}
+
+/// What a square that should not pass 1 is scaled down by; 0 where it is not finite.
+#[inline(always)]
+fn within<L: Lanes>(over: L) -> L {
+    let (zero, one) = (L::zero(), L::splat(1.0));
+    let part = one / over.max(one).sqrt();
+    L::select((over * zero).eq(zero), part, zero)
 }
 
 #[inline(always)]
