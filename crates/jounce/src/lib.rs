@@ -26,6 +26,7 @@ mod debug_draw;
 mod edit;
 mod error;
 mod event;
+mod groups;
 mod handle;
 mod hash;
 mod hooks;

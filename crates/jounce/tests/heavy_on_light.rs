@@ -48,3 +48,25 @@ fn weights_stay_true_under_a_heavy_load() {
     let gained = world.momentum().linear.y - p0;
     assert!(gained.abs() < 1001.0 * 9.81 / 60.0, "{gained} N s");
 }
+
+/// Two bodies of two boxes each in one place squeeze one another by a hundred times their weight, but carry nothing: they fall, and
+/// keep their momentum. (As treated bodies they hung in the air.)
+#[test]
+fn bodies_that_squeeze_one_another_fall() {
+    let mut world = World::new(WorldDesc::default()).expect("defaults are valid");
+    let body = || {
+        BodyDesc::dynamic()
+            .shape(ShapeDesc::cuboid([0.8, 0.3, 2.0]).mass(1300.0))
+            .shape(ShapeDesc::cuboid([0.7, 0.3, 1.0]).mass(10.0).at([0.0, 0.5, 0.0]))
+    };
+    for _ in 0..2 {
+        world.add_body(body()).expect("a body");
+    }
+    let weight = 2.0 * 1310.0 * 9.81;
+    for step in 1..=120 {
+        world.step().expect("steps");
+        let p = world.momentum().linear;
+        let fallen = DVec3::new(0.0, -weight * f64::from(step) / 60.0, 0.0);
+        assert!((p - fallen).length() < 1e-3 * weight, "step {step}: {p:?} for {fallen:?}");
+    }
+}

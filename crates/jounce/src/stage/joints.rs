@@ -1,10 +1,10 @@
 //! Joints in the step: gathers those that are awake into sets, and hands the sets out.
 
 use super::{Step, alike, nets};
+use crate::groups::{root, unite};
 use crate::room::contacts::prepare::Softness;
 use crate::room::joints::alike::{Band, Link};
 use crate::room::joints::desc::JointKind;
-use crate::room::joints::direct::root;
 use crate::room::joints::local::Local;
 use crate::room::joints::net::{Rows, Type};
 use crate::room::joints::set::{Constants, Gear, JointSet};
@@ -109,11 +109,9 @@ fn make_sets(world: &World, ids: &[u32], sets: &mut Vec<JointSet>) {
     sets.clear();
     let place = |id: u32| ids.binary_search(&id).ok();
     let mut parent: Vec<u32> = (0..world.awake.state.len() as u32).collect();
-    let unite = |parent: &mut Vec<u32>, a: u32, b: u32| {
+    let mut unite = |a: u32, b: u32| {
         if a != NONE && b != NONE {
-            let (a, b) = (root(parent, a), root(parent, b));
-            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-            parent[hi as usize] = lo;
+            unite(&mut parent, a, b);
         }
     };
     let rows = |id: u32| {
@@ -126,12 +124,12 @@ fn make_sets(world: &World, ids: &[u32], sets: &mut Vec<JointSet>) {
     };
     for &id in ids {
         let [a, b] = rows(id);
-        unite(&mut parent, a, b);
+        unite(a, b);
         if let JointKind::Gear { a, b, .. } = world.joints.table[id].desc.kind
             && place(a.index).is_some()
             && place(b.index).is_some()
         {
-            unite(&mut parent, any(a.index), any(b.index));
+            unite(any(a.index), any(b.index));
         }
     }
     // Sets in the order of their first joints.

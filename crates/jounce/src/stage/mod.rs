@@ -68,7 +68,7 @@ pub(crate) struct Scratch {
     pub hits: Vec<(u32, f32)>,
     /// Who is inside a sensor.
     pub visitors: Vec<(u32, u32)>,
-    pub loads: Vec<(f32, jounce_math::Vec3, f32)>,
+    pub loads: crate::room::contacts::load::Loads,
     pub fields: fields::FieldScratch,
     pub joints: joints::JointScratch,
     pub vehicles: vehicles::VehicleScratch,

@@ -40,12 +40,12 @@ fn raise_squeezed(world: &mut World, step: &Step) {
         return;
     }
     let omega = 2.0 * core::f32::consts::PI * world.settings.contact_hertz;
-    let mut sums = core::mem::take(&mut world.scratch.loads);
+    let mut loads = core::mem::take(&mut world.scratch.loads);
     let numbers = [gravity, world.settings.slop(), omega, step.dt];
     let bodies = &world.bodies;
     let jointed = |body: u32| !bodies[body].joints.is_empty();
-    load::raise(&world.contacts, &world.frames, &mut world.awake, jointed, &mut sums, numbers);
-    world.scratch.loads = sums;
+    load::raise(&world.contacts, &world.frames, &mut world.awake, jointed, &mut loads, numbers);
+    world.scratch.loads = loads;
 }
 
 fn fill_block(world: &World, block: &mut Block, rows: &[Row], step: &Step) {

@@ -6,6 +6,7 @@
 //! memory between steps.
 
 use super::Step;
+use crate::groups::{root, unite};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -24,19 +25,14 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     for c in world.contacts.iter().filter(|c| c.touching) {
         let (a, b) = (dynamic_row(world, c.body_a), dynamic_row(world, c.body_b));
         if a != NONE && b != NONE {
-            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-            // The smaller row becomes the root: the result does not depend on the order of the contacts.
-            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-            parent[hi as usize] = lo;
+            unite(&mut parent, a, b);
         }
     }
     let awake = world.awake.step.iter().flat_map(|b| &world.bodies[b.body].joints);
     for j in awake.map(|&id| &world.joints.table[id]).filter(|j| j.acts()) {
         let (a, b) = (dynamic_row(world, j.body_a), dynamic_row(world, j.body_b));
         if a != NONE && b != NONE {
-            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-            parent[hi as usize] = lo;
+            unite(&mut parent, a, b);
         }
     }
     for (_, v) in world.vehicles.table.iter().filter(|(_, v)| v.enabled) {
@@ -44,9 +40,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         for w in v.feet().filter(|w| w.ground != NONE) {
             let b = dynamic_row(world, w.ground);
             if a != NONE && b != NONE {
-                let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-                let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-                parent[hi as usize] = lo;
+                unite(&mut parent, a, b);
             }
         }
     }
@@ -77,14 +71,6 @@ pub(crate) fn run(world: &mut World, _: &Step) {
 fn dynamic_row(world: &World, body: u32) -> u32 {
     let row = world.frames[body as usize].row;
     if row != NONE && world.awake.step[row as usize].kind == BodyKind::Dynamic { row } else { NONE }
-}
-
-fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
 }
 
 /// Bodies on a moving surface, or touched by a moving kinematic body, are not at rest.

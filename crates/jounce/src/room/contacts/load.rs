@@ -11,10 +11,14 @@
 //! * m′ = W/(½ slop · ω²), at most 10⁴ m; I′ = I m′/m. Forces stay as they are: gravity pulls with m g, so the weights that
 //!   contacts report are the true ones.
 //!
+//! A group of squeezed bodies that touches nothing else (two compounds in one place, in the air) carries nothing. Its bodies are raised by
+//! one factor, so that what they give one another stays equal and opposite, and gravity pulls at all of it: it falls.
+//!
 //! What is given up: a squeezed body reacts to a *net* impulse as if it had the mass m′. Bodies on joints are never treated: joints
 //! are solved rigidly, and a bone that weighs tons for a step throws those it hangs on.
 
 use super::state::Contact;
+use crate::groups::{root, unite};
 use crate::room::rigid::state::{Awake, BodyFrame};
 use jounce_math::{Vec3, scalar::f32s};
 
@@ -30,53 +34,104 @@ const RAISE_MAX: f32 = 1e4;
 /// the body away if it were light again at once.
 const FALL: f32 = 0.5;
 
-/// Lowers inverse masses of squeezed bodies for this step. `sums` is scratch: (Σ|λ|, Σ λ n, fastest approach) by row.
+/// Memory that is reused from step to step and is not state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Loads {
+    /// By row: Σ|λ|, Σ λ n, fastest approach.
+    sums: Vec<(f32, Vec3, f32)>,
+    treated: Vec<bool>,
+    /// By row: the parent in its group; by root: whether the group touches others, and the most that one of it is raised by.
+    parent: Vec<u32>,
+    groups: Vec<(bool, f32)>,
+}
+
+/// Calls `f` with the rows of every contact that pushes, its impulse, and what A and B get.
+fn each(contacts: &[Contact], frames: &[BodyFrame], mut f: impl FnMut([u32; 2], f32, Vec3, f32)) {
+    for c in contacts.iter().filter(|c| c.touching) {
+        let rows = [frames[c.body_a as usize].row, frames[c.body_b as usize].row];
+        for m in c.manifolds() {
+            let total: f32 = m.points[..usize::from(m.count).min(4)].iter().map(|p| p.total_impulse).sum();
+            if total != 0.0 {
+                f(rows, total, m.normal * total, c.hit_speed);
+            }
+        }
+    }
+}
+
+/// Lowers inverse masses of squeezed bodies for this step.
 pub(crate) fn raise(
     contacts: &[Contact],
     frames: &[BodyFrame],
     awake: &mut Awake,
     jointed: impl Fn(u32) -> bool,
-    sums: &mut Vec<(f32, Vec3, f32)>,
+    loads: &mut Loads,
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
+    let Loads { sums, treated, parent, groups } = loads;
     sums.clear();
     sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
-    for c in contacts.iter().filter(|c| c.touching) {
-        let rows = [frames[c.body_a as usize].row, frames[c.body_b as usize].row];
-        for m in c.manifolds() {
-            let total: f32 = m.points[..usize::from(m.count).min(4)].iter().map(|p| p.total_impulse).sum();
-            if total == 0.0 {
-                continue;
-            }
-            for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
-                if let Some(s) = sums.get_mut(row as usize) {
-                    s.0 += total;
-                    s.1 += m.normal * (sign * total);
-                    s.2 = f32s::max(s.2, c.hit_speed);
-                }
+    each(contacts, frames, |rows, total, push, hit| {
+        for (row, push) in [(rows[0], -push), (rows[1], push)] {
+            if let Some(s) = sums.get_mut(row as usize) {
+                s.0 += total;
+                s.1 += push;
+                s.2 = f32s::max(s.2, hit);
             }
         }
-    }
-    for ((sum, step), inertia) in sums.iter().zip(&mut awake.step).zip(&mut awake.inertia) {
+    });
+    treated.clear();
+    for (sum, step) in sums.iter().zip(&mut awake.step) {
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);
         let ratio = load * step.inv_mass / gravity;
-        let mut raised = f32s::max(step.raised * FALL, 1.0);
+        step.raised = f32s::max(step.raised * FALL, 1.0);
         if ratio > RATIO[0] && sum.2 < HIT_SPEED && !jointed(step.body) {
             let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
             let full = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
-            raised = f32s::max(raised, 1.0 + part * (full - 1.0));
+            step.raised = f32s::max(step.raised, 1.0 + part * (full - 1.0));
         }
-        step.raised = raised;
-        if raised == 1.0 || inertia.inv_mass == 0.0 {
+        treated.push(step.raised > 1.0);
+    }
+    groups.clear();
+    if treated.contains(&true) {
+        let is = |row: u32| treated.get(row as usize).is_some_and(|s| *s);
+        parent.clear();
+        parent.extend(0..sums.len() as u32);
+        each(contacts, frames, |[a, b], _, _, _| {
+            if is(a) && is(b) {
+                unite(parent, a, b);
+            }
+        });
+        groups.resize(sums.len(), (false, 1.0));
+        each(contacts, frames, |[a, b], _, _, _| {
+            if is(a) != is(b) {
+                groups[root(parent, if is(a) { a } else { b }) as usize].0 = true;
+            }
+        });
+        for (row, step) in awake.step.iter().enumerate().filter(|(row, _)| treated[*row]) {
+            let group = &mut groups[root(parent, row as u32) as usize];
+            group.1 = f32s::max(group.1, step.raised);
+        }
+    }
+    for (row, (step, inertia)) in awake.step.iter_mut().zip(&mut awake.inertia).enumerate() {
+        let flies = treated[row] && {
+            let (touches, most) = groups[root(parent, row as u32) as usize];
+            if !touches {
+                step.raised = most;
+            }
+            !touches
+        };
+        if step.raised == 1.0 || inertia.inv_mass == 0.0 {
             continue;
         }
-        let factor = 1.0 / raised;
+        let factor = 1.0 / step.raised;
         for v in [&mut inertia.inv_mass, &mut inertia.xx, &mut inertia.yy, &mut inertia.zz] {
             *v *= factor;
         }
         for v in [&mut inertia.xy, &mut inertia.xz, &mut inertia.yz] {
             *v *= factor;
         }
-        step.acceleration *= factor;
+        if !flies {
+            step.acceleration *= factor;
+        }
     }
 }

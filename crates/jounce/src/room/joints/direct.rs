@@ -17,6 +17,8 @@
 //! Source: Baraff, Linear-time dynamics using Lagrange multipliers, 1996; George & Liu, Computer solution of large sparse positive
 //! definite systems, 1981.
 
+use crate::groups::unite;
+
 /// Rows of a joint at most: those that hold, and ends and motors that act at the time.
 pub(crate) const ROWS: usize = 12;
 /// Part of their own diagonal that is added to the rows of joints that close loops, and to those of the others of a loop.
@@ -95,10 +97,8 @@ impl Plan {
         let mut closes = vec![false; n];
         for (i, (_, pair)) in links.iter().enumerate() {
             // All that does not move is one.
-            let [a, b] = pair.map(|b| root(&mut parent, b.min(bodies as u32)));
-            closes[i] = a == b;
-            let (lo, hi) = if a < b { (a, b) } else { (b, a) };
-            parent[hi as usize] = lo;
+            let [a, b] = pair.map(|b| b.min(bodies as u32));
+            closes[i] = !unite(&mut parent, a, b);
             for &b in pair {
                 if let Some(list) = at_body.get_mut(b as usize) {
                     list.push(i as u32);
@@ -331,14 +331,6 @@ impl Plan {
             z[r] = sum;
         }
     }
-}
-
-pub(crate) fn root(parent: &mut [u32], mut i: u32) -> u32 {
-    while parent[i as usize] != i {
-        parent[i as usize] = parent[parent[i as usize] as usize];
-        i = parent[i as usize];
-    }
-    i
 }
 
 /// Which joints are part of a loop: those that close one, and those of the tree on the way between its two bodies.
