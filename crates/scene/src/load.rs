@@ -289,8 +289,11 @@ fn carried(
     let mut one = |i: usize, v: Option<&VehicleSpec>| {
         let Some(g) = cast.vehicles.0.get(i) else { return Ok(()) };
         let Chassis::Of(body) = &g.chassis else { return Ok(()) };
-        let Some(own) = all.iter().find(|o| o.name.as_ref() == Some(&body.name)) else { return Ok(()) };
-        let id = world.add_body(own.template(body.index.unwrap_or(0)).desc.clone())?;
+        let of_group = || all.iter().find(|o| o.name.as_ref() == Some(&body.name));
+        let of_group = || of_group().map(|o| o.template(body.index.unwrap_or(0)).desc.clone());
+        let of_doll = || cast.ragdolls.0.iter().find_map(|d| d.desc_of(body));
+        let Some(own) = of_group().or_else(of_doll) else { return Ok(()) };
+        let id = world.add_body(own)?;
         let added = world.add_vehicle(g.vehicle(0, id));
         world.remove_body(id)?;
         let Err(e) = added else { return Ok(()) };

@@ -321,6 +321,12 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
         "expected not above static_friction",
     ),
     ("vehicle_axle_of_no_wheel", 8, "vehicles[0].axles[0].right", "is 7; expected the index of a wheel"),
+    (
+        "vehicle_wheel_on_two_axles",
+        8,
+        "vehicles[0].axles[1].right",
+        "is 1: wheel 1 of \"car\" is on axle 0 and on axle 1; expected each wheel on one axle",
+    ),
     ("vehicle_shares_too_much", 7, "vehicles[0].axles", "the shares add up to 2; expected 1 in all"),
     ("vehicle_engine_falls_back", 7, "vehicles[0].engine.torque", "expected rising 1/min"),
     (
