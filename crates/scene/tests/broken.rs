@@ -75,6 +75,18 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
     ("trail_of_nobody", 6, "render.trails.bodies[1]", "(did you mean `ball`?)"),
     ("trail_without_time", 7, "render.trails.seconds", "is 0; expected more than 0"),
     ("push_nobody", 6, "timeline[1].push.body", "there is no body \"box\""),
+    (
+        "gravity_without_its_key",
+        4,
+        "timeline[0].set_gravity",
+        "an array; expected an object with the key `gravity`",
+    ),
+    (
+        "gravity_of_two_numbers",
+        4,
+        "timeline[0].set_gravity.gravity",
+        "an array of length 2; expected an array of length 3",
+    ),
     ("two_actions", 5, "timeline[0]", "the entry has 2 actions"),
     ("bad_color", 10, "bodies[1].color", "is \"reddish\"; expected a colour"),
     ("both_rotations", 10, "bodies[1].rotation", "rotation or rotation_deg, not both"),
