@@ -235,7 +235,7 @@ fn joints(
         all.push(g);
     }
     for (i, (g, j)) in all.iter_mut().zip(&spec.joints).enumerate() {
-        find_ends(g, j, names, joint_names, &BTreeMap::new()).index(i).key("joints")?;
+        find_ends(g, j, &spec.joints, names, joint_names, &BTreeMap::new()).index(i).key("joints")?;
     }
     Ok(all)
 }

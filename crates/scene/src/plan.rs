@@ -665,7 +665,7 @@ fn spawned_ends(
     let own_joints = joints.iter().filter_map(|g| Some((g.name.clone()?, g.len()))).collect();
     for (i, (g, j)) in joints.iter_mut().zip(&s.joints).enumerate() {
         let own = if g.is_gear() { &own_joints } else { &own };
-        find_ends(g, j, named.bodies, named.joints, own).index(i).key("joints").key("spawn")?;
+        find_ends(g, j, &s.joints, named.bodies, named.joints, own).index(i).key("joints").key("spawn")?;
     }
     Ok(())
 }

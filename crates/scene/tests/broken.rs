@@ -40,6 +40,12 @@ const BROKEN: &[(&str, usize, &str, &str)] = &[
         "joints[0].b",
         "\"wall\" is fixed, as \"ground\" is; expected a body that can move",
     ),
+    (
+        "gear_of_two_led_hinges",
+        9,
+        "joints[2].gear.b",
+        "both go as their kinematic bodies do: a gear moves neither; expected a joint with a dynamic body",
+    ),
     ("spawn_a_joint_of_nobody", 8, "timeline[0].spawn.joints[0].b", "there is no body \"crate\""),
     ("spawn_a_car_misspelt", 8, "timeline[0].spawn.vehicles[0].positoin", "(did you mean `position`?)"),
     ("spawn_a_crowd_too_low", 8, "timeline[0].spawn.characters[0].height", "is 0.1"),
