@@ -418,7 +418,8 @@ pub(crate) fn follow(world: &mut World, stopped: &[(u32, f32)]) {
 /// Part of its inverse mass that a body has which continuous collision stopped: two of them on one joint still come together.
 const STOPPED_PART: f32 = 1e-3;
 
-/// Bodies on joints to kinematic bodies that move do not rest, and are woken.
+/// Bodies on joints to kinematic bodies that move do not rest, and are woken. Nor do those rest themselves, however slow: one without
+/// shapes that only turns has no point that moves.
 pub(crate) fn stir(world: &mut World) {
     if world.joints.is_empty() {
         return;
@@ -432,7 +433,7 @@ pub(crate) fn stir(world: &mut World) {
         for &id in &world.bodies[b.body].joints {
             let j = &world.joints.table[id];
             if j.acts() {
-                wakes.push(if j.body_a == b.body { j.body_b } else { j.body_a });
+                wakes.extend([j.body_a, j.body_b]);
             }
         }
     }
