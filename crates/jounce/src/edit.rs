@@ -570,6 +570,7 @@ impl World {
             sleep_timer: 0.0,
             sleep_speed: 0.0,
             drift: [Vec3::ZERO; 2],
+            swing: [Vec3::ZERO; 2],
             raised: 1.0,
             target: None,
             guided: false,

@@ -110,7 +110,7 @@ impl World {
                 h.quat(t.rotation);
                 h.quat(t.dq);
             }
-            for d in s.drift.into_iter().filter(|d| *d != Vec3::ZERO) {
+            for d in s.drift.into_iter().chain(s.swing).filter(|d| *d != Vec3::ZERO) {
                 h.vec3(d);
             }
             if let Some(target) = s.target {

@@ -294,6 +294,47 @@ fn gears_turn_together_and_keep_momentum() {
     assert!((w.momentum().angular - before).length() < 2e-4, "{:?} for {before:?}", w.momentum().angular);
 }
 
+/// A wheel that is led turns its partner, however the hinges' ends are named and though the partner has fallen asleep before; at rest
+/// it holds him. One led wheel turns partners who share nothing else.
+#[test]
+fn gears_follow_what_is_led() {
+    for turned in [false, true] {
+        let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+        let hinge = |w: &mut World, body: BodyId, at: [f64; 3]| {
+            let post = w.add_body(BodyDesc::fixed()).unwrap();
+            let (a, b) = if turned { (body, post) } else { (post, body) };
+            w.add_joint(JointDesc::hinge(a, b, at, Vec3::Z)).unwrap()
+        };
+        let wheel =
+            |d: BodyDesc, x: f64| d.at([x, 0.0, 0.0]).shape(ShapeDesc::cuboid([0.3, 0.3, 0.05]).mass(2.0));
+        let led = w.add_body(wheel(BodyDesc::kinematic(), 0.0)).unwrap();
+        let on_led = hinge(&mut w, led, [0.0; 3]);
+        let partners = [(2.0, 2.0), (-2.0, -0.5)].map(|(x, ratio)| {
+            let body = w.add_body(wheel(BodyDesc::dynamic(), x)).unwrap();
+            let own = hinge(&mut w, body, [x, 0.0, 0.0]);
+            w.add_joint(JointDesc::gear(on_led, own, ratio)).unwrap();
+            (body, ratio)
+        });
+        run(&mut w, 2.0);
+        assert!(partners.iter().all(|&(b, _)| !w.body(b).unwrap().is_awake()));
+        w.set_angular_velocity(led, Vec3::new(0.0, 0.0, 3.0)).unwrap();
+        run(&mut w, 4.0);
+        let q = f64::from(w.joint(on_led).unwrap().coordinate());
+        assert!((q.abs() - 12.0).abs() < 0.06, "{q}");
+        for (body, ratio) in partners {
+            let spin = w.body(body).unwrap().angular_velocity().z;
+            assert!((spin + 3.0 / ratio).abs() < 0.01, "{spin} by {ratio}");
+        }
+        // It does not yield to what pushes the partner.
+        w.set_angular_velocity(led, Vec3::ZERO).unwrap();
+        run(&mut w, 0.5);
+        w.add_angular_impulse(partners[0].0, Vec3::new(0.0, 0.0, 1.0)).unwrap();
+        run(&mut w, 0.5);
+        let spin = w.body(partners[0].0).unwrap().angular_velocity().z;
+        assert!(spin.abs() < 0.01, "{spin}");
+    }
+}
+
 #[test]
 fn a_rack_follows_its_pinion() {
     let mut w = world();

@@ -590,6 +590,13 @@ fn bad_descriptions_are_refused_by_name() {
     refused(&|v| v.anti_roll[0].right = 9, "anti_roll right");
     refused(&|v| v.drive.as_mut().unwrap().engine.torque.clear(), "torque");
     refused(&|v| v.drive.as_mut().unwrap().axles[0].share = 0.5, "share");
+    let on_two_axles = |v: &mut jounce::VehicleDesc, wheels: [usize; 2]| {
+        v.drive = vehicles::off_road().vehicle.drive;
+        let second = &mut v.drive.as_mut().unwrap().axles[1];
+        [second.left, second.right] = wheels;
+    };
+    refused(&|v| on_two_axles(v, [1, 2]), "left");
+    refused(&|v| on_two_axles(v, [2, 1]), "right");
     refused(&|v| v.drive.as_mut().unwrap().gearbox.forward.clear(), "forward");
     refused(&|v| v.drive.as_mut().unwrap().clutch.auto_rpm = Some((3.0, 2.0)), "auto_rpm");
     let v = vehicles::car().add(&mut w, [0.0; 3], Quat::IDENTITY).unwrap();

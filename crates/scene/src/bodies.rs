@@ -278,7 +278,7 @@ pub(crate) fn resolve_name<'a>(
 }
 
 /// Bodies or joints by name.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Target {
     pub name: String,
     pub index: Option<usize>,

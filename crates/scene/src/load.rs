@@ -235,7 +235,7 @@ fn joints(
         all.push(g);
     }
     for (i, (g, j)) in all.iter_mut().zip(&spec.joints).enumerate() {
-        find_ends(g, j, names, joint_names, &BTreeMap::new()).index(i).key("joints")?;
+        find_ends(g, j, &spec.joints, names, joint_names, &BTreeMap::new()).index(i).key("joints")?;
     }
     Ok(all)
 }
@@ -289,8 +289,11 @@ fn carried(
     let mut one = |i: usize, v: Option<&VehicleSpec>| {
         let Some(g) = cast.vehicles.0.get(i) else { return Ok(()) };
         let Chassis::Of(body) = &g.chassis else { return Ok(()) };
-        let Some(own) = all.iter().find(|o| o.name.as_ref() == Some(&body.name)) else { return Ok(()) };
-        let id = world.add_body(own.template(body.index.unwrap_or(0)).desc.clone())?;
+        let of_group = || all.iter().find(|o| o.name.as_ref() == Some(&body.name));
+        let of_group = || of_group().map(|o| o.template(body.index.unwrap_or(0)).desc.clone());
+        let of_doll = || cast.ragdolls.0.iter().find_map(|d| d.desc_of(body));
+        let Some(own) = of_group().or_else(of_doll) else { return Ok(()) };
+        let id = world.add_body(own)?;
         let added = world.add_vehicle(g.vehicle(0, id));
         world.remove_body(id)?;
         let Err(e) = added else { return Ok(()) };

@@ -17,7 +17,7 @@ use crate::spec::{
     TimelineSpec, VehicleInputSpec, VehicleSpec,
 };
 use crate::systems::System;
-use crate::vehicles::{VehicleGroup, VehicleNames, drive, vehicles};
+use crate::vehicles::{VehicleGroup, VehicleNames, drive, find_bodies, vehicles};
 use jounce::limits::{FORCE_MAX, POSITION_MAX, SPEED_MAX, SPIN_MAX};
 use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, Explosion, JointKind};
@@ -71,6 +71,7 @@ impl Cast {
         vehicles(v, times, census, named.bodies, &mut self.vehicles)?;
         characters(c, times, census, named.bodies, &mut self.characters)?;
         ragdolls(r, times, library, census, named, &mut self.ragdolls)?;
+        find_bodies(v, times, named.bodies, &mut self.vehicles.0, from[0])?;
         Ok(Movers {
             vehicles: from[0]..self.vehicles.0.len(),
             characters: from[1]..self.characters.0.len(),
@@ -664,7 +665,7 @@ fn spawned_ends(
     let own_joints = joints.iter().filter_map(|g| Some((g.name.clone()?, g.len()))).collect();
     for (i, (g, j)) in joints.iter_mut().zip(&s.joints).enumerate() {
         let own = if g.is_gear() { &own_joints } else { &own };
-        find_ends(g, j, named.bodies, named.joints, own).index(i).key("joints").key("spawn")?;
+        find_ends(g, j, &s.joints, named.bodies, named.joints, own).index(i).key("joints").key("spawn")?;
     }
     Ok(())
 }

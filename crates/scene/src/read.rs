@@ -77,7 +77,33 @@ fn explain(e: &serde_path_to_error::Error<serde_json::Error>) -> Wrong {
         let expected = found(&path.0).map_or_else(|| "fewer".into(), |n| kind_of(&n));
         return Wrong::at(path, "the array is too long", expected);
     }
-    Wrong::at(path, plain(message), plain(expected))
+    // Serde takes an array for an object's values in turn, and complains of the first of them.
+    if let Some(n) = (0..path.0.len()).find(|&n| is_listed(&path.0, n)) {
+        let whole = KeyPath(path.0[..n].to_vec());
+        let expected = object(&whole.0);
+        return Wrong::at(whole, "an array", expected);
+    }
+    let expected = plain(expected);
+    let expected = if expected == "an object" { object(&path.0) } else { expected };
+    Wrong::at(path, plain(message), expected)
+}
+
+/// Does a path number the values of what is an object?
+fn is_listed(path: &[Segment], n: usize) -> bool {
+    let object = |f: Value| f["properties"].is_object() && !f["items"].is_object();
+    matches!(path[n], Segment::Index(_)) && found_plainly(&path[..n]).is_some_and(object)
+}
+
+/// The object that is wanted at a path, with the keys that it must have.
+fn object(path: &[Segment]) -> String {
+    let found = found_plainly(path).unwrap_or_default();
+    let keys: Vec<&str> =
+        found["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+    match keys[..] {
+        [] => "an object".into(),
+        [key] => format!("an object with the key `{key}`"),
+        _ => format!("an object with the keys `{}`", keys.join("`, `")),
+    }
 }
 
 /// What the schema says of a key of the object at a path.
@@ -96,6 +122,22 @@ fn wanted(path: &[Segment], key: &str) -> String {
 fn found(path: &[Segment]) -> Option<Value> {
     let schema = serde_json::to_value(schemars::schema_for!(SceneSpec)).unwrap_or_default();
     walk(&schema, &schema, path).cloned()
+}
+
+/// The schema of what is at a path, without the name that it is referred to by, and as if it were given.
+fn found_plainly(path: &[Segment]) -> Option<Value> {
+    let schema = serde_json::to_value(schemars::schema_for!(SceneSpec)).unwrap_or_default();
+    walk(&schema, &schema, path).map(|found| plainly(&schema, found).clone())
+}
+
+/// What a schema refers to, or may be beside null.
+fn plainly<'a>(root: &'a Value, node: &'a Value) -> &'a Value {
+    if let Some(name) = node["$ref"].as_str() {
+        let referred = name.strip_prefix('#').and_then(|n| root.pointer(n));
+        return referred.map_or(node, |r| plainly(root, r));
+    }
+    let Some([one, null]) = node["anyOf"].as_array().map(Vec::as_slice) else { return node };
+    if null["type"] == "null" { plainly(root, one) } else { node }
 }
 
 /// The kind of value that a schema describes.

@@ -341,13 +341,26 @@ impl Simulation {
         Ok(())
     }
 
-    /// Adds these vehicles, characters and ragdolls, in the order of the file; `time` is how often they were added before.
+    /// Adds these vehicles, characters and ragdolls, in the order of the file; `time` is how often they were added before. A vehicle
+    /// on a bone comes after the ragdolls.
     fn add_movers(&mut self, m: &Movers, time: usize) -> Result<(), SceneError> {
+        let waits = |s: &Self, g: &VehicleGroup| match &g.chassis {
+            Chassis::Own(_) => false,
+            Chassis::Of(body) => s.records.of(body).is_empty(),
+        };
         let vehicles = std::mem::take(&mut self.scene.vehicles);
         let some = m.vehicles.clone().filter_map(|i| Some((i, vehicles.get(i)?)));
-        let done = { some }.try_for_each(|(i, g)| self.add_vehicles(i, g, time * g.len()));
+        let (late, some): (Vec<_>, Vec<_>) = some.partition(|(_, g)| waits(self, g));
+        let done = some.into_iter().try_for_each(|(i, g)| self.add_vehicles(i, g, time * g.len()));
+        let done = done.and_then(|()| self.add_walkers(m, time));
+        let done = done
+            .and_then(|()| late.into_iter().try_for_each(|(i, g)| self.add_vehicles(i, g, time * g.len())));
         self.scene.vehicles = vehicles;
-        done?;
+        done
+    }
+
+    /// Characters and ragdolls.
+    fn add_walkers(&mut self, m: &Movers, time: usize) -> Result<(), SceneError> {
         let characters = std::mem::take(&mut self.scene.characters);
         let some = characters.get(m.characters.clone()).unwrap_or_default();
         let done = some.iter().try_for_each(|g| self.add_characters(g, time * g.group.len()));

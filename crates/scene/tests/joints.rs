@@ -55,6 +55,25 @@ fn spawned_joints_join_what_was_made_with_them() {
     }
 }
 
+/// A hinge between bodies that joints do not move is refused, unless a gear follows it.
+#[test]
+fn a_gear_follows_a_kinematic_wheel() {
+    let text = |gear: &str| {
+        format!(
+            r#"{{"jounce": 1, "gravity": [0, 0, 0], "bodies": [{{"name": "post", "type": "fixed"}},
+            {{"name": "led", "type": "kinematic", "angular_velocity": [0, 0, 2]}},
+            {{"name": "wheel", "type": "dynamic", "position": [1, 0, 0], "shapes": [{{"box": {{"half": [0.4, 0.4, 0.1]}}}}]}}],
+          "joints": [{{"name": "crank", "a": "post", "b": "led", "at": [0, 0, 0], "axis": [0, 0, 1], "hinge": {{}}}},
+            {{"name": "shaft", "a": "post", "b": "wheel", "at": [1, 0, 0], "axis": [0, 0, 1], "hinge": {{}}}}{gear}]}}"#
+        )
+    };
+    let s = run(&text(r#", {"gear": {"a": "crank", "b": "shaft", "ratio": -0.5}}"#), 2.0);
+    let spin = s.world().body(s.body("wheel").expect("a wheel")).expect("alive").angular_velocity();
+    assert!((spin.z - 4.0).abs() < 0.01, "{spin:?}");
+    let told = Scene::from_str(&text(""), "joints", &LoadOptions::default()).expect_err("refused");
+    assert!(told.to_string().contains("a joint moves neither"), "{told}");
+}
+
 #[test]
 fn actions_cut_drive_and_switch_joints_and_probes_see_it() {
     let text = r#"{"jounce": 1, "bodies": [{"name": "post", "type": "fixed"},

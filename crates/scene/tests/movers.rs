@@ -105,6 +105,54 @@ fn copies_have_numbers() {
     assert_eq!(name(s.bodies("doll.head[1]")[0]).as_deref(), Some("doll.head[1]"));
 }
 
+/// Ragdolls are made after vehicles, and have their names before those look for their bodies.
+#[test]
+fn a_vehicle_is_carried_by_a_bone() {
+    let doll = |name: &str, x: f32| {
+        format!(
+            r#"{{"name": "{name}", "position": [{x}, 0.7, 0], "bones": [
+            {{"name": "deck", "shapes": [{{"box": {{"half": [0.5, 0.1, 1]}}, "mass": 200}}]}},
+            {{"name": "mast", "parent": "deck", "position": [0, 0.6, 0], "shapes": [{{"sphere": {{"radius": 0.1}}, "mass": 1}}],
+             "joint": {{"fixed": {{}}, "on_parent": {{"position": [0, 0.6, 0]}}, "on_bone": {{}}}}}}]}}"#
+        )
+    };
+    let kart = |name: &str, body: &str, mass: f32| {
+        format!(
+            r#"{{"name": "{name}", "body": "{body}", "wheel": {{"radius": 0.2, "preload": 490.5, "mass": {mass}}},
+            "input": {{"throttle": 0.5, "gear": 1}}, "axles": [{{"left": 2, "right": 3}}],
+            "wheels": [{{"position": [0.5, -0.45, 0.8]}}, {{"position": [-0.5, -0.45, 0.8]}},
+                       {{"position": [0.5, -0.45, -0.8]}}, {{"position": [-0.5, -0.45, -0.8]}}]}}"#
+        )
+    };
+    let (first, second) = (doll("cart", 0.0), doll("wagon", 4.0));
+    let (a, b) = (kart("kart", "cart.deck", 10.0), kart("late", "wagon.deck", 10.0));
+    let mut s = start(&format!(
+        r#""vehicles": [{a}, {{"name": "car", "preset": "car", "position": [8, 0, 0]}}], "ragdolls": [{first}],
+        "timeline": [{{"at": 0.5, "spawn": {{"vehicles": [{b}], "ragdolls": [{second}]}}}}],
+        "probes": {{"grounded": {{"vehicle": "kart", "value": "grounded"}}, "speed": {{"vehicle": "kart", "value": "speed"}},
+            "late": {{"vehicle": "late", "value": "speed"}}, "mast": {{"body": "cart.mast", "value": "velocity.z"}}}}"#
+    ));
+    run(&mut s, 3.0);
+    assert!(value(&s, "grounded") >= 2.0);
+    assert!(
+        value(&s, "speed") > 1.0 && value(&s, "late") > 1.0,
+        "{} {}",
+        value(&s, "speed"),
+        value(&s, "late")
+    );
+    assert!((value(&s, "mast") - value(&s, "speed")).abs() < 0.1);
+    // What is wrong of it is told at its place, as of other bodies.
+    let wrong = |v: &str| {
+        scene(&format!(r#""vehicles": [{v}], "ragdolls": [{first}]"#)).map(|_| ()).expect_err("refused")
+    };
+    let told = wrong(&kart("kart", "cart.deck", 100.0));
+    assert!(told.contains("vehicles[0].wheel: have 400"), "{told}");
+    let told = wrong(&kart("kart", "cart", 10.0));
+    assert!(told.contains("names 2 bodies; expected one, such as cart.deck"), "{told}");
+    let told = wrong(&format!("{a}, {}", kart("other", "cart.deck", 10.0)));
+    assert!(told.contains("vehicles[1].body: \"cart.deck\" is given to two vehicles"), "{told}");
+}
+
 /// Two groups of copies do not share the group of bones that never meet.
 #[test]
 fn dolls_meet_each_other() {

@@ -11,7 +11,7 @@ use crate::room::joints::set::{Constants, Gear, JointSet};
 use crate::room::joints::solve::Solve;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::solve::{absorb, settle, turns_freely};
-use crate::room::rigid::state::{InvInertia, NONE};
+use crate::room::rigid::state::{BodyState, InvInertia, NONE};
 use crate::world::World;
 use jounce_math::{DVec3, Vec3, scalar::f32s};
 
@@ -83,10 +83,15 @@ fn choose_nets(world: &World, s: &mut JointScratch, step: &Step) {
     }
 }
 
-/// Joints with an awake body, in slot order.
+/// Joints with an awake body, in slot order; and those of bodies that only go as they are led, where gears are on them.
 fn gather(world: &World, ids: &mut Vec<u32>) {
     for b in &world.awake.step {
         ids.extend_from_slice(&world.bodies[b.body].joints);
+    }
+    for i in 0..ids.len() {
+        if let JointKind::Gear { a, b, .. } = world.joints.table[ids[i]].desc.kind {
+            ids.extend([a.index, b.index].into_iter().filter(|&id| is_led(world, id)));
+        }
     }
     ids.sort_unstable();
     ids.dedup();
@@ -95,8 +100,14 @@ fn gather(world: &World, ids: &mut Vec<u32>) {
         let ends = [j.body_a, j.body_b];
         j.acts()
             && ends.iter().all(|&b| world.bodies[b].enabled)
-            && (j.is_gear() || ends.iter().any(|&b| dynamic_row(world, b) != NONE))
+            && (j.is_gear() || is_led(world, id) || ends.iter().any(|&b| dynamic_row(world, b) != NONE))
     });
+}
+
+/// Is neither of a joint's bodies dynamic? It goes as they go, and so do the gears on it.
+fn is_led(world: &World, id: u32) -> bool {
+    let j = &world.joints.table[id];
+    [j.body_a, j.body_b].iter().all(|&b| world.bodies[b].kind != BodyKind::Dynamic)
 }
 
 /// Row of a dynamic body that is awake.
@@ -135,38 +146,45 @@ fn make_sets(world: &World, ids: &[u32], sets: &mut Vec<JointSet>) {
     // Sets in the order of their first joints.
     let mut set_of = vec![NONE; world.awake.state.len()];
     let mut local = std::collections::BTreeMap::new();
+    let mut set_at = std::collections::BTreeMap::new();
     let mut joint_at = std::collections::BTreeMap::new();
-    for gears in [false, true] {
-        for &id in ids.iter().filter(|&&id| world.joints.table[id].is_gear() == gears) {
-            let j = &world.joints.table[id];
-            if let JointKind::Gear { a, b, ratio } = j.desc.kind {
-                let (Some(&(set, x)), Some(&(other, y))) = (joint_at.get(&a.index), joint_at.get(&b.index))
-                else {
-                    continue;
-                };
-                if set == other {
-                    let set: &mut JointSet = &mut sets[set];
-                    set.gears.push(Gear { id, a: x, b: y, ratio, rest: j.coordinate, impulse: 0.0 });
-                }
-                continue;
-            }
-            let any = any(id);
-            let root = root(&mut parent, any) as usize;
-            if set_of[root] == NONE {
-                set_of[root] = sets.len() as u32;
-                sets.push(JointSet::default());
-            }
-            let at = set_of[root] as usize;
-            let set = &mut sets[at];
+    let mut add = |sets: &mut Vec<JointSet>, at: usize, id: u32, led: bool| {
+        *joint_at.entry((at, id)).or_insert_with(|| {
+            let (j, set) = (&world.joints.table[id], &mut sets[at]);
             let [a, b] = [j.body_a, j.body_b].map(|slot| {
                 *local.entry((at, slot)).or_insert_with(|| {
                     set.bodies.push(Local::new(slot));
                     set.bodies.len() - 1
                 })
             });
-            joint_at.insert(id, (at, set.joints.len()));
-            set.joints.push(Solve::new(id, a, b));
+            let mut solve = Solve::new(id, a, b);
+            solve.led = led;
+            set.joints.push(solve);
+            set.joints.len() - 1
+        })
+    };
+    for &id in ids.iter().filter(|&&id| !world.joints.table[id].is_gear() && any(id) != NONE) {
+        let root = root(&mut parent, any(id)) as usize;
+        if set_of[root] == NONE {
+            set_of[root] = sets.len() as u32;
+            sets.push(JointSet::default());
         }
+        let at = set_of[root] as usize;
+        add(sets, at, id, false);
+        set_at.insert(id, at);
+    }
+    for &id in ids {
+        let j = &world.joints.table[id];
+        let JointKind::Gear { a, b, ratio } = j.desc.kind else { continue };
+        let led = [a, b].map(|j| place(j.index).is_some() && is_led(world, j.index));
+        let at = match ([a, b].map(|j| set_at.get(&j.index).copied()), led) {
+            ([Some(x), Some(y)], _) if x == y => x,
+            // What it is led by is in the set of each gear on it.
+            ([Some(x), None], [_, true]) | ([None, Some(x)], [true, _]) => x,
+            _ => continue,
+        };
+        let (a, b) = (add(sets, at, a.index, led[0]), add(sets, at, b.index, led[1]));
+        sets[at].gears.push(Gear { id, a, b, ratio, rest: j.coordinate, impulse: 0.0 });
     }
 }
 
@@ -176,7 +194,10 @@ fn begin(world: &World, set: &mut JointSet, new: bool) {
     for b in &mut set.bodies {
         b.row = world.frames[b.slot as usize].row;
         b.at = (world.frames[b.slot as usize].center - first).as_vec3();
-        let Some(inertia) = world.awake.inertia.get(b.row as usize) else { continue };
+        let Some(inertia) = world.awake.inertia.get(b.row as usize) else {
+            b.m = BodyState::FIXED.get();
+            continue;
+        };
         let step = &world.awake.step[b.row as usize];
         let dynamic = step.kind == BodyKind::Dynamic;
         let inv = |i: u8| if dynamic && step.locks & (1 << i) == 0 { inertia.inv_mass } else { 0.0 };
@@ -395,7 +416,8 @@ pub(crate) fn follow(world: &mut World, stopped: &[(u32, f32)]) {
 /// Part of its inverse mass that a body has which continuous collision stopped: two of them on one joint still come together.
 const STOPPED_PART: f32 = 1e-3;
 
-/// Bodies on joints to kinematic bodies that move do not rest, and are woken.
+/// Bodies on joints to kinematic bodies that move do not rest, and are woken. Nor do those rest themselves, however slow: one without
+/// shapes that only turns has no point that moves.
 pub(crate) fn stir(world: &mut World) {
     if world.joints.is_empty() {
         return;
@@ -409,7 +431,7 @@ pub(crate) fn stir(world: &mut World) {
         for &id in &world.bodies[b.body].joints {
             let j = &world.joints.table[id];
             if j.acts() {
-                wakes.push(if j.body_a == b.body { j.body_b } else { j.body_a });
+                wakes.extend([j.body_a, j.body_b]);
             }
         }
     }

@@ -251,10 +251,11 @@ fn copies(r: &JointRepeatSpec) -> Checked<[u64; 3]> {
     Ok(n)
 }
 
-/// Looks up what a joint joins; `own` are the names that a timed spawn makes, with how many of each.
+/// Looks up what a joint of a list joins; `own` are the names that a timed spawn makes, with how many of each.
 pub(crate) fn find_ends(
     g: &mut JointGroup,
     j: &JointSpec,
+    all: &[JointSpec],
     names: &Names,
     joints: &JointNames,
     own: &BTreeMap<String, usize>,
@@ -269,6 +270,7 @@ pub(crate) fn find_ends(
             });
             found.key(key).key("gear")?;
         }
+        gear_can_act(&gear.a, &gear.b, all, names).key("b").key("gear")?;
     } else {
         for (key, text, e) in [("a", &j.a, 0), ("b", &j.b, 1)] {
             let Some(text) = text else {
@@ -277,7 +279,9 @@ pub(crate) fn find_ends(
             let own = own.get(text.split('[').next().unwrap_or("")).copied();
             names.resolve(text).and_then(|t| g.find(e, t, own)).key(key)?;
         }
-        if let (Some(a), Some(b)) = (&j.a, &j.b) {
+        if let (Some(a), Some(b)) = (&j.a, &j.b)
+            && !(leads(j, all) && may_lead(a, b, names))
+        {
             can_act(a, b, names).key("b")?;
         }
     }
@@ -294,6 +298,37 @@ pub(crate) fn find_ends(
         return Err(if j.gear.is_some() { w.key("b").key("gear") } else { w.key("b") });
     }
     Ok(())
+}
+
+/// The name of a group in the name of one of it.
+fn group_of(text: &str) -> &str {
+    text.split('[').next().unwrap_or("")
+}
+
+/// Is there a gear on a joint?
+fn leads(j: &JointSpec, all: &[JointSpec]) -> bool {
+    let on = |text: &str| j.name.as_deref() == Some(group_of(text));
+    all.iter().filter_map(|o| o.gear.as_ref()).any(|gear| on(&gear.a) || on(&gear.b))
+}
+
+/// Is it a joint that a gear may follow though it moves neither body: does one of them go as it is led?
+fn may_lead(a: &str, b: &str, names: &Names) -> bool {
+    let of = [a, b].map(|text| names.unmoved(text));
+    of.iter().all(Option::is_some) && of.contains(&Some("kinematic"))
+}
+
+/// Does a gear move anything?
+fn gear_can_act(a: &str, b: &str, all: &[JointSpec], names: &Names) -> Checked<()> {
+    let led = |text: &str| {
+        let of = all.iter().find(|o| o.name.as_deref() == Some(group_of(text)));
+        let ends = of.and_then(|o| Some((o.a.as_ref()?, o.b.as_ref()?)));
+        ends.is_some_and(|(a, b)| may_lead(a, b, names))
+    };
+    if !(led(a) && led(b)) {
+        return Ok(());
+    }
+    let message = format!("\"{b}\" and \"{a}\" both go as their kinematic bodies do: a gear moves neither");
+    Err(Wrong::new(message, "a joint with a dynamic body at one end at least"))
 }
 
 /// Does a joint move anything? The engine takes one that does not, since a body's type may change there; in a scene it stays.

@@ -100,7 +100,8 @@ impl VehicleRecords {
     }
 }
 
-/// Entries of `vehicles`, each made so many times. Their own chassis get their names among the bodies.
+/// Entries of `vehicles`, each made so many times. Their own chassis get their names among the bodies; which bodies the others are on
+/// is looked up when characters and ragdolls have their names too ([`find_bodies`]).
 pub(crate) fn vehicles(
     all: &[VehicleSpec],
     times: u64,
@@ -109,8 +110,7 @@ pub(crate) fn vehicles(
     (out, vehicle_names): &mut (Vec<VehicleGroup>, VehicleNames),
 ) -> Checked<()> {
     for (i, v) in all.iter().enumerate() {
-        let mut g = entry(v, census, names).index(i).key("vehicles")?;
-        only_one(&g, times, out).key("body").index(i).key("vehicles")?;
+        let mut g = entry(v, census).index(i).key("vehicles")?;
         g.single &= times == 1;
         if let Chassis::Own(own) = &mut g.chassis {
             own.single &= times == 1;
@@ -135,11 +135,42 @@ pub(crate) fn vehicles(
     Ok(())
 }
 
-/// A body carries one vehicle.
-fn only_one(g: &VehicleGroup, times: u64, before: &[VehicleGroup]) -> Checked<()> {
-    let Chassis::Of(body) = &g.chassis else { return Ok(()) };
-    let same = |o: &VehicleGroup| matches!(&o.chassis, Chassis::Of(t) if t.name == body.name && t.index.unwrap_or(0) == body.index.unwrap_or(0));
-    if times == 1 && !before.iter().any(same) {
+/// Looks up the bodies that the entries of a list name, the first of which is vehicle `from`.
+pub(crate) fn find_bodies(
+    all: &[VehicleSpec],
+    times: u64,
+    names: &Names,
+    out: &mut [VehicleGroup],
+    from: usize,
+) -> Checked<()> {
+    for (i, v) in all.iter().enumerate() {
+        let Some(name) = &v.body else { continue };
+        let target = names.resolve_only(name, &[BodyKind::Dynamic], "a dynamic body");
+        let target = target.and_then(only).key("body").index(i).key("vehicles")?;
+        only_one(&target, times, out).key("body").index(i).key("vehicles")?;
+        if let Some(g) = out.get_mut(from + i) {
+            g.chassis = Chassis::Of(target);
+        }
+    }
+    Ok(())
+}
+
+/// A body of several.
+fn only(target: Target) -> Checked<Target> {
+    if target.count == 1 {
+        return Ok(target);
+    }
+    let message = format!("names {} bodies", target.count);
+    Err(Wrong::new(message, format!("one, such as {}", target.one)))
+}
+
+/// A body carries one vehicle. Of the others, those are known that bring their own and those whose were looked up.
+fn only_one(body: &Target, times: u64, others: &[VehicleGroup]) -> Checked<()> {
+    let same = |o: &VehicleGroup| match &o.chassis {
+        Chassis::Own(g) => g.name.as_ref() == Some(&body.name),
+        Chassis::Of(t) => t.name == body.name && t.index.unwrap_or(0) == body.index.unwrap_or(0),
+    };
+    if times == 1 && !others.iter().any(same) {
         return Ok(());
     }
     Err(Wrong::new(
@@ -159,7 +190,7 @@ fn kit(p: VehiclePresetSpec) -> VehicleKit {
     }
 }
 
-fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<VehicleGroup> {
+fn entry(v: &VehicleSpec, census: &mut Census) -> Checked<VehicleGroup> {
     let mut kit = match (v.preset, &v.body) {
         (Some(p), _) => kit(p),
         (None, Some(_)) => {
@@ -170,7 +201,7 @@ fn entry(v: &VehicleSpec, census: &mut Census, names: &Names) -> Checked<Vehicle
         }
     };
     let chassis = match &v.body {
-        Some(name) => Chassis::Of(of_scene(v, name, names)?),
+        Some(_) => of_scene(v)?,
         None => Chassis::Own(own(v, &mut kit, census)?),
     };
     one_or_the_other(v, &kit.vehicle)?;
@@ -219,8 +250,8 @@ fn light_wheels(v: &VehicleSpec, d: &VehicleDesc, own: &Group) -> Checked<()> {
     Err(Wrong::new(message, format!("at most {UNSPRUNG_PART_MAX} of it")).key(key))
 }
 
-/// A body of the scene as chassis.
-fn of_scene(v: &VehicleSpec, name: &str, names: &Names) -> Checked<Target> {
+/// A body of the scene as chassis, not yet looked up.
+fn of_scene(v: &VehicleSpec) -> Checked<Chassis> {
     let others = [
         ("position", v.position.is_some()),
         ("rotation_deg", v.rotation_deg.is_some()),
@@ -234,12 +265,7 @@ fn of_scene(v: &VehicleSpec, name: &str, names: &Names) -> Checked<Target> {
     if let Some((key, _)) = others.iter().find(|(_, given)| *given) {
         return Err(Wrong::new("is given beside `body`", format!("{key} of the body itself")).key(key));
     }
-    let target = names.resolve_only(name, &[BodyKind::Dynamic], "a dynamic body").key("body")?;
-    if target.count > 1 {
-        let message = format!("names {} bodies", target.count);
-        return Err(Wrong::new(message, format!("one, such as {}", target.one)).key("body"));
-    }
-    Ok(target)
+    Ok(Chassis::Of(Target::default()))
 }
 
 /// A preset's own bodies.

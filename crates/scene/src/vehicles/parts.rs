@@ -241,7 +241,7 @@ fn drive(v: &VehicleSpec, d: &mut VehicleDesc) -> Checked<()> {
                 share: a.share.unwrap_or(1.0),
             })
             .collect();
-        try_drive(d, &drive).map_err(|e| axle(e, &drive, d.wheels.len()))?;
+        try_drive(d, &drive).map_err(|e| axle(e, v, &drive, d.wheels.len()))?;
     }
     if let Some(e) = &v.engine {
         put(&mut drive.engine.torque, e.torque.as_ref().map(|t| t.iter().map(|p| (p[0], p[1])).collect()));
@@ -301,7 +301,7 @@ fn ratio(e: jounce::Error, drive: &DriveDesc) -> Wrong {
 }
 
 /// Which axle is wrong.
-fn axle(e: jounce::Error, drive: &DriveDesc, wheels: usize) -> Wrong {
+fn axle(e: jounce::Error, v: &VehicleSpec, drive: &DriveDesc, wheels: usize) -> Wrong {
     let jounce::Error::BadValue { what, field, value, expected } = &e else {
         return Wrong::from(e).key("axles");
     };
@@ -320,8 +320,24 @@ fn axle(e: jounce::Error, drive: &DriveDesc, wheels: usize) -> Wrong {
     match drive.axles.iter().position(bad) {
         Some(n) if matches!(*field, "left" | "right" | "share") => wrong.key(field).index(n).key("axles"),
         Some(n) => wrong.key(field).key("limited_slip").key("kind").index(n).key("axles"),
-        None => Wrong::new(format!("the shares add up to {sum}"), "1 in all").key("axles"),
+        None => on_two_axles(v, drive)
+            .unwrap_or_else(|| Wrong::new(format!("the shares add up to {sum}"), "1 in all").key("axles")),
     }
+}
+
+/// A wheel of the vehicle that two axles name.
+fn on_two_axles(v: &VehicleSpec, drive: &DriveDesc) -> Option<Wrong> {
+    let ends = |a: &DifferentialDesc| [("left", a.left), ("right", a.right)];
+    for (j, a) in drive.axles.iter().enumerate() {
+        for (key, wheel) in ends(a) {
+            let same = |o: &DifferentialDesc| ends(o).iter().any(|e| e.1 == wheel);
+            let Some(i) = drive.axles[..j].iter().position(same) else { continue };
+            let whose = v.name.as_ref().map_or(String::new(), |name| format!(" of \"{name}\""));
+            let message = format!("is {wheel}: wheel {wheel}{whose} is on axle {i} and on axle {j}");
+            return Some(Wrong::new(message, "each wheel on one axle").key(key).index(j).key("axles"));
+        }
+    }
+    None
 }
 
 fn slip(s: &SlipControlSpec, base: Option<SlipControlDesc>) -> Option<SlipControlDesc> {

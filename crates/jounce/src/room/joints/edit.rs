@@ -10,6 +10,8 @@ use crate::event::Event;
 use crate::handle::JointId;
 use crate::limits;
 use crate::room::contacts::state::Contact;
+use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_math::{Pose, Quat, Vec3, WorldPose};
 use std::sync::Arc;
@@ -34,8 +36,18 @@ impl World {
             let ok = matches!(kind, JointKind::Hinge(_) | JointKind::Slider(_));
             check(ok, "gear", "joint", kind.name(), "a hinge or a slider")?;
         }
-        let (a, b) = (&self.joints.table[a], &self.joints.table[b]);
-        Ok(Some([a.body_b, if a.body_b == b.body_b { b.body_a } else { b.body_b }]))
+        let gives_way = |slot: u32| match self.bodies[slot].kind {
+            BodyKind::Fixed => 0,
+            BodyKind::Kinematic => 1,
+            BodyKind::Dynamic => 2,
+        };
+        let moved = |joint: u32, but: u32| {
+            let (body_a, body_b) = (self.joints.table[joint].body_a, self.joints.table[joint].body_b);
+            let first = body_b == but || (body_a != but && gives_way(body_a) > gives_way(body_b));
+            if first { body_a } else { body_b }
+        };
+        let a = moved(a, NONE);
+        Ok(Some([a, moved(b, a)]))
     }
 
     pub(crate) fn do_add_joint(&mut self, mut d: JointDesc) -> Result<JointId> {

@@ -56,6 +56,8 @@ pub(crate) struct Solve {
     pub last: [f32; 2],
     /// Broke in this step.
     pub broke: bool,
+    /// Neither body gives way: it is here for the gears on it, which follow its coordinate.
+    pub led: bool,
 }
 
 impl Solve {
@@ -88,6 +90,7 @@ impl Solve {
             torque: Vec3::ZERO,
             last: [0.0; 2],
             broke: false,
+            led: false,
         }
     }
 
@@ -119,6 +122,9 @@ impl Solve {
     /// Rows that hold, at these ends.
     pub(super) fn rows(&self, j: &Joint, e: &Ends, dp: [Vec3; 2], s: &mut f32, out: &mut Hard) {
         out.n = 0;
+        if self.led {
+            return;
+        }
         match &j.desc.kind {
             JointKind::Fixed => fixed::rows(e, out),
             JointKind::Ball(_) => ball::rows(e, out),
@@ -142,6 +148,7 @@ impl Solve {
 
     /// Springs, motors, ends and friction at these ends, put behind what is in the list; `coordinate` goes from where it was last.
     pub(super) fn ends(&self, j: &Joint, e: &Ends, coordinate: &mut f32, list: &mut Vec<Extra>) {
+        let before = list.len();
         let mut out = Extras { list };
         match &j.desc.kind {
             JointKind::Ball(d) => ball::extras(d, e, &mut out),
@@ -165,6 +172,9 @@ impl Solve {
                 }
             }
             _ => {}
+        }
+        if self.led {
+            list.truncate(before);
         }
     }
 

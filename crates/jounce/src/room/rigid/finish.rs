@@ -44,21 +44,30 @@ pub(crate) fn finish(
     }
     let mut speed = f32s::max(s.v.length(), s.w.length() * mass.outer_radius);
     if body.joints.is_empty() {
-        b.drift = [Vec3::ZERO; 2];
+        (b.drift, b.swing) = ([Vec3::ZERO; 2], [Vec3::ZERO; 2]);
     } else {
         // Joints and contacts that disagree leave velocities that lead nowhere, and what closes a gap is a way without velocity. In a
         // heap they are never at one: what trembles on the spot rests.
         let part = f32s::min(dt / DRIFT_TIME, 1.0);
         b.drift[0] += (s.dp * (1.0 / dt) - b.drift[0]) * part;
         b.drift[1] += (s.dr * (1.0 / dt) - b.drift[1]) * part;
-        let drift = f32s::max(b.drift[0].length(), b.drift[1].length() * mass.outer_radius);
-        speed = f32s::max(LEADS_NOWHERE * speed, drift);
+        let far = |d: [Vec3; 2]| f32s::max(d[0].length(), d[1].length() * mass.outer_radius);
+        // A pendulum at its turning point is slow for as long as the timer takes; but it is about to go another way than it came.
+        let part = f32s::min(dt / SWING_TIME, 1.0);
+        b.swing[0] += (b.drift[0] - b.swing[0]) * part;
+        b.swing[1] += (b.drift[1] - b.swing[1]) * part;
+        let turns = TURNS * far([b.drift[0] - b.swing[0], b.drift[1] - b.swing[1]]);
+        speed = f32s::max(LEADS_NOWHERE * speed, f32s::max(far(b.drift), turns));
     }
     b.sleep_timer = if body.can_sleep && speed < b.sleep_speed { b.sleep_timer + dt } else { 0.0 };
 }
 
 /// Time over which the ways of a body on joints are averaged, s.
 pub(super) const DRIFT_TIME: f32 = 0.1;
+/// Time over which they are averaged to tell what swings from what rests, s.
+const SWING_TIME: f32 = 0.5;
+/// How much what a body on joints is faster or slower than then counts as motion.
+const TURNS: f32 = 2.0;
 /// Part of the velocity of a body on joints that counts as motion, whatever way it made.
 const LEADS_NOWHERE: f32 = 0.1;
 

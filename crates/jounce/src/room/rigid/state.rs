@@ -207,6 +207,8 @@ pub(crate) struct BodyStep {
     pub sleep_speed: f32,
     /// Of a body on joints: velocity and spin by the ways it made, averaged over the last [`super::finish::DRIFT_TIME`].
     pub drift: [Vec3; 2],
+    /// The same over a longer time: what swings is between two ways where both are not alike.
+    pub swing: [Vec3; 2],
     /// Kinematic target for the next step.
     pub target: Option<WorldPose>,
     /// The velocity came from a target: it ends with the step.

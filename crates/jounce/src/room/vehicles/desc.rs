@@ -591,8 +591,23 @@ impl DriveDesc {
             d.kind.check()?;
             sum += d.share;
         }
+        self.check_wheels()?;
         check((sum - 1.0).abs() < 1e-3, "differential", "share", sum, "shares that add up to 1")?;
         self.center.check()
+    }
+
+    /// No wheel is turned by two axles; one axle may drive one wheel (by a chain).
+    fn check_wheels(&self) -> Result<()> {
+        for (j, d) in self.axles.iter().enumerate() {
+            for (field, wheel) in [("left", d.left), ("right", d.right)] {
+                let same = |o: &DifferentialDesc| o.left == wheel || o.right == wheel;
+                let Some(i) = self.axles[..j].iter().position(same) else { continue };
+                let value = format!("wheel {wheel} on axle {j}, and it is on axle {i} too");
+                let expected = "each wheel on one axle";
+                return Err(Error::BadValue { what: "differential", field, value, expected });
+            }
+        }
+        Ok(())
     }
 }
 
