@@ -1,5 +1,8 @@
 //! Bodies, shapes and joints in the scenes' own words. Metres, seconds, kg; quaternions are (x, y, z, w).
 
+// An engine leaves unread what it cannot do.
+#![allow(dead_code)]
+
 use super::human::Hold;
 use crate::world::{Body, Hull};
 

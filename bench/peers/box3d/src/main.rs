@@ -8,6 +8,7 @@ use shared::Program;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    world::log_to_stderr();
     Program { engine: "box3d", threads: 32, check }.main()
 }
 

@@ -6,7 +6,7 @@ use crate::shared::parts::{
 };
 use boxddd_sys::ffi;
 use std::collections::BTreeSet;
-use std::ffi::{c_char, c_int};
+use std::ffi::{CStr, c_char, c_int};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -15,6 +15,17 @@ static ASSERTS_SEEN: AtomicBool = AtomicBool::new(false);
 unsafe extern "C" fn note_assert(_condition: *const c_char, _file: *const c_char, _line: c_int) -> c_int {
     ASSERTS_SEEN.store(true, Ordering::Relaxed);
     0
+}
+
+unsafe extern "C" fn log(message: *const c_char) {
+    // SAFETY: Box3D passes a string that ends in zero and lives through the call.
+    eprintln!("Box3D: {}", unsafe { CStr::from_ptr(message) }.to_string_lossy());
+}
+
+/// Sends Box3D's messages to standard error, away from the JSON lines.
+pub fn log_to_stderr() {
+    // SAFETY: the function lives as long as the program.
+    unsafe { ffi::b3SetLogFcn(Some(log)) }
 }
 
 /// Whether the linked Box3D was compiled with its assertions: such a build is slower than what its users ship.
