@@ -118,8 +118,7 @@ fn joint_grid() -> Built {
                 let above = bodies[bodies.len() - 1];
                 world.add_joint(JointDesc::ball(above, body, at(k as f32, 0.5 - i as f32, 0.0)))?;
             }
-            // Two fixed ones need nothing between them, and are refused.
-            if k > 0 && i > 0 {
+            if k > 0 {
                 let before = bodies[bodies.len() - SIDE];
                 world.add_joint(JointDesc::ball(before, body, at(k as f32 - 0.5, -(i as f32), 0.0)))?;
             }
