@@ -246,6 +246,7 @@ impl World {
             let mut def = ffi::b3DefaultShapeDef();
             def.baseMaterial.friction = options.friction;
             def.baseMaterial.restitution = options.restitution;
+            def.baseMaterial.rollingResistance = options.rolling;
             ffi::b3CreateMeshShape(body, &def, mesh.0.0, vec3([1.0; 3]));
         }
     }

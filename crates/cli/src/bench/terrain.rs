@@ -116,7 +116,10 @@ fn trees(scale: u32) -> Built {
         let mut tree = BodyDesc::dynamic().at(at(0.0, 1.0, -70.0 + 3.0 * k as f32));
         let (mut y0, mut r, l) = (1.0, 0.75, 1.5);
         for _ in 0..22 {
-            tree = tree.shape(log(y0 - r, l + 2.0 * r, r)?.density(1.0).friction(0.9));
+            let mut log = log(y0 - r, l + 2.0 * r, r)?.density(1.0).friction(0.9);
+            // A rolling resistance of 0.05, times the radius of the ball inside, as Box3D has it on meshes.
+            log.material.rolling_friction = 0.05 * r * cos(PI / 6.0);
+            tree = tree.shape(log);
             y0 += l + 2.0 * r;
             r *= 0.95;
         }
