@@ -80,8 +80,10 @@ pub(super) fn rain() -> Built {
                 let x = -75.0 + SPAN * (column as f32 + 0.5) + 0.75 * m as f32;
                 let z = -75.0 + SPAN * (row as f32 + 0.5);
                 let group = -1 - (column * CELLS + row) as i32;
-                let doll = world.add_ragdoll(&RagdollDesc::human().at(at(x, 20.0, z)).group(group))?;
-                columns[column].push(doll);
+                let mut human = RagdollDesc::human().at(at(x, 20.0, z)).group(group);
+                // As the bones are given: the other engines close no gaps.
+                human.close_gaps = false;
+                columns[column].push(world.add_ragdoll(&human)?);
             }
         }
         Ok(())
