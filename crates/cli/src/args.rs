@@ -156,10 +156,16 @@ pub struct BenchArgs {
     /// Numbers of threads to run with
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "1", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Vec<u32>,
-    /// Fewer steps, one repeat
+    /// Fewer steps, and one repeat unless --repeats says otherwise
     #[arg(long)]
     pub quick: bool,
-    /// Print one JSON object
+    /// Steps of each scene, the first of them untimed [default: the scene's own, with --quick a fifth]
+    #[arg(long, value_name = "N", value_parser = steps, allow_negative_numbers = true)]
+    pub steps: Option<u64>,
+    /// Repeats of each scene, by turns with the other engines [default: 3]
+    #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
+    pub repeats: Option<u64>,
+    /// Print one JSON object instead of a Markdown table
     #[arg(long)]
     pub json: bool,
 }
@@ -278,6 +284,11 @@ fn fps(text: &str) -> Result<f64, String> {
 
 fn count(text: &str) -> Result<u64, String> {
     text.parse().ok().filter(|n| *n > 0).ok_or_else(|| "expected a whole number, 1 or more".into())
+}
+
+fn steps(text: &str) -> Result<u64, String> {
+    let ok = text.parse().ok().filter(|n| (2..=1_000_000).contains(n));
+    ok.ok_or_else(|| "expected a whole number from 2 to 1000000".into())
 }
 
 fn threads(text: &str) -> Result<u32, String> {

@@ -77,20 +77,41 @@ impl Table {
     pub fn row<const N: usize>(&mut self, cells: [String; N]) {
         self.rows.push(cells.map(|c| clean(&c)).to_vec());
     }
-    /// The lines.
-    pub fn text(&self) -> String {
+    /// Characters of the widest cell of each column.
+    fn widths(&self) -> Vec<usize> {
         let columns = self.rows.iter().map(Vec::len).max().unwrap_or(0);
         let length = |c: usize| {
             self.rows.iter().filter_map(|r| r.get(c)).map(|s| s.chars().count()).max().unwrap_or(0)
         };
-        let widths: Vec<usize> = (0..columns).map(length).collect();
+        (0..columns).map(length).collect()
+    }
+    /// The cells of a row, filled up to the widths of their columns.
+    fn filled(&self, row: &[String], widths: &[usize]) -> Vec<String> {
+        let fill = |(c, cell): (usize, &String)| {
+            let gap = " ".repeat(widths[c] - cell.chars().count());
+            if self.left.contains(&c) { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
+        };
+        row.iter().enumerate().map(fill).collect()
+    }
+    /// The lines as a Markdown table.
+    pub fn markdown(&self) -> String {
+        let widths = self.widths();
+        let rule = |(c, w): (usize, &usize)| {
+            let dashes = "-".repeat(w + 1);
+            if self.left.contains(&c) { format!(":{dashes}") } else { format!("{dashes}:") }
+        };
+        let rules: Vec<String> = widths.iter().enumerate().map(rule).collect();
+        let mut lines: Vec<String> =
+            self.rows.iter().map(|row| format!("| {} |\n", self.filled(row, &widths).join(" | "))).collect();
+        lines.insert(1, format!("|{}|\n", rules.join("|")));
+        lines.concat()
+    }
+    /// The lines.
+    pub fn text(&self) -> String {
+        let widths = self.widths();
         let mut out = String::new();
         for (i, row) in self.rows.iter().enumerate() {
-            let cells = row.iter().enumerate().map(|(c, cell)| {
-                let gap = " ".repeat(widths[c] - cell.chars().count());
-                if self.left.contains(&c) { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
-            });
-            let line = cells.collect::<Vec<_>>().join("  ");
+            let line = self.filled(row, &widths).join("  ");
             out.push_str(line.trim_end());
             out.push('\n');
             if i == 0 {
@@ -148,5 +169,9 @@ mod tests {
         t.row(["a".into(), "10".into()]);
         t.row(["longer".into(), "5".into()]);
         assert_eq!(t.text(), "name    value\n──────  ─────\na          10\nlonger      5\n");
+        assert_eq!(
+            t.markdown(),
+            "| name   | value |\n|:-------|------:|\n| a      |    10 |\n| longer |     5 |\n"
+        );
     }
 }

@@ -364,12 +364,20 @@ fn bench_times_scenes() {
     assert_eq!(code(&o), 0, "{}", err(&o));
     let r = &json(&o)["rows"][0];
     assert_eq!((r["scene"].as_str(), r["engine"].as_str()), (Some("heavy_on_light"), Some("jounce")));
-    for key in ["threads", "ms_min", "ms_median"] {
+    for key in ["threads", "repeats", "ms_min", "ms_median", "bodies", "joints", "touching"] {
         assert!(r[key].is_number(), "{key}: {r}");
     }
+    assert!(r["quality"]["sink_heavy_mm"].is_number(), "{r}");
     assert!(r.get("ratio_to_best").is_some());
+    let table = out(&jounce(&["bench", "heavy_on_light", "--quick", "--repeats", "2"]));
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines.len() == 3 && lines.iter().all(|l| l.starts_with('|') && l.ends_with('|')), "{table}");
     refused(&["bench", "no_such_scene"], &["no_such_scene", "large_pyramid"]);
-    refused(&["bench", "heavy", "--against", "no_such_engine"], &["no_such_engine"]);
+    refused(&["bench", "heavy", "--against", "no_such_engine"], &["no_such_engine", "box3d, rapier"]);
+    // Before the first engine is built.
+    refused(&["bench", "heavy", "--against", "box3d,no_such_engine"], &["no_such_engine"]);
+    refused(&["bench", "heavy", "--repeats", "0"], &["repeats"]);
+    refused(&["bench", "heavy", "--steps", "1"], &["steps", "from 2"]);
 }
 
 #[test]

@@ -1,20 +1,31 @@
 //! A thin owner of one Box3D world: builds bodies, steps, and reads back what the report needs.
 
+use crate::shared::human::{Hold, REST_SPRING};
+use crate::shared::parts::{
+    BodyOptions, Capacity, DT_S, Frame, JOINT_SOFTNESS, Kind, Limb, Meets, SUBSTEPS, Shape, ShapeOptions, V,
+};
 use boxddd_sys::ffi;
 use std::collections::BTreeSet;
-use std::ffi::{c_char, c_int};
+use std::ffi::{CStr, c_char, c_int};
+use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Fixed step of every scene, in seconds.
-pub const DT_S: f32 = 1.0 / 60.0;
-/// Substeps per step of every scene.
-pub const SUBSTEPS: i32 = 4;
 
 static ASSERTS_SEEN: AtomicBool = AtomicBool::new(false);
 
 unsafe extern "C" fn note_assert(_condition: *const c_char, _file: *const c_char, _line: c_int) -> c_int {
     ASSERTS_SEEN.store(true, Ordering::Relaxed);
     0
+}
+
+unsafe extern "C" fn log(message: *const c_char) {
+    // SAFETY: Box3D passes a string that ends in zero and lives through the call.
+    eprintln!("Box3D: {}", unsafe { CStr::from_ptr(message) }.to_string_lossy());
+}
+
+/// Sends Box3D's messages to standard error, away from the JSON lines.
+pub fn log_to_stderr() {
+    // SAFETY: the function lives as long as the program.
+    unsafe { ffi::b3SetLogFcn(Some(log)) }
 }
 
 /// Whether the linked Box3D was compiled with its assertions: such a build is slower than what its users ship.
@@ -30,14 +41,25 @@ pub fn box3d_has_asserts() -> bool {
     ASSERTS_SEEN.load(Ordering::Relaxed)
 }
 
-/// A vector in Box3D's layout.
-pub fn vec3(x: f32, y: f32, z: f32) -> ffi::b3Vec3 {
+/// A body of the world.
+pub type Body = ffi::b3BodyId;
+
+fn vec3([x, y, z]: V) -> ffi::b3Vec3 {
     ffi::b3Vec3 { x, y, z }
 }
 
-/// The identity rotation.
-pub fn identity() -> ffi::b3Quat {
-    ffi::b3Quat { v: vec3(0.0, 0.0, 0.0), s: 1.0 }
+fn quat(q: [f32; 4]) -> ffi::b3Quat {
+    let length = q.iter().map(|c| c * c).sum::<f32>().sqrt();
+    let [x, y, z, s] = q.map(|c| c / length);
+    ffi::b3Quat { v: ffi::b3Vec3 { x, y, z }, s }
+}
+
+fn frame((p, q): Frame) -> ffi::b3Transform {
+    ffi::b3Transform { p: vec3(p), q: quat(q) }
+}
+
+fn place((p, q): Frame) -> ffi::b3WorldTransform {
+    ffi::b3WorldTransform { p: vec3(p), q: quat(q) }
 }
 
 /// A convex hull built by Box3D from points.
@@ -45,7 +67,8 @@ pub struct Hull(*mut ffi::b3HullData);
 
 impl Hull {
     /// The hull of `points` (metres, body frame); says so where Box3D refuses them.
-    pub fn new(points: &[ffi::b3Vec3]) -> Result<Hull, String> {
+    pub fn new(points: &[V]) -> Result<Hull, String> {
+        let points: Vec<_> = points.iter().copied().map(vec3).collect();
         let count = c_int::try_from(points.len()).map_err(|e| e.to_string())?;
         // SAFETY: the pointer and the count describe one live slice, which Box3D only reads.
         let hull = unsafe { ffi::b3CreateHull(points.as_ptr(), count, count) };
@@ -63,153 +86,19 @@ impl Drop for Hull {
     }
 }
 
-/// What a shape is made of here.
-pub enum Shape<'a> {
-    /// Half extents in metres, and the centre in the body's frame.
-    Box { half: [f32; 3], centre: [f32; 3] },
-    /// Radius in metres, centred on the body.
-    Sphere { radius: f32 },
-    /// Half the length between the centres of the caps, along y, and their radius, in metres.
-    Capsule { half_height: f32, radius: f32 },
-    /// A hull shared between bodies.
-    Hull(&'a Hull),
-}
+/// A mesh of counter-clockwise triangles, shared between bodies.
+pub struct Mesh(Rc<MeshData>);
 
-impl Shape<'_> {
-    /// A box centred on its body; half extents in metres.
-    pub fn block(x: f32, y: f32, z: f32) -> Self {
-        Shape::Box { half: [x, y, z], centre: [0.0; 3] }
-    }
-}
+struct MeshData(*mut ffi::b3MeshData);
 
-/// Material, density and creation options of a shape.
-#[derive(Clone, Copy)]
-pub struct ShapeOptions {
-    /// kg/m³
-    pub density: f32,
-    /// Coefficient of friction.
-    pub friction: f32,
-    /// Coefficient of restitution.
-    pub restitution: f32,
-    /// Rolling resistance, of balls and capsules.
-    pub rolling: f32,
-    /// A static shape looks for contacts at creation.
-    pub buffer_move: bool,
-    /// Touches nothing of its own kind.
-    pub ghost: bool,
-}
-
-impl Default for ShapeOptions {
-    fn default() -> Self {
-        ShapeOptions {
-            density: 1000.0,
-            friction: 0.6,
-            restitution: 0.0,
-            rolling: 0.0,
-            buffer_move: false,
-            ghost: false,
-        }
-    }
-}
-
-/// One Box3D world with the bodies the scene created, in creation order.
-pub struct World {
-    id: ffi::b3WorldId,
-    bodies: Vec<ffi::b3BodyId>,
-    dynamic: Vec<ffi::b3BodyId>,
-    meshes: Vec<*mut ffi::b3MeshData>,
-}
-
-impl World {
-    /// A world with Box3D's defaults, gravity along y in m/s², `threads` workers and room for `capacity`.
-    pub fn new(threads: u32, gravity_y: f32, capacity: ffi::b3Capacity) -> World {
-        // SAFETY: plain constructor calls; the definition comes from Box3D itself and outlives the call.
-        let id = unsafe {
-            let mut def = ffi::b3DefaultWorldDef();
-            def.gravity = vec3(0.0, gravity_y, 0.0);
-            def.workerCount = threads;
-            def.capacity = capacity;
-            ffi::b3CreateWorld(&def)
-        };
-        World { id, bodies: Vec::new(), dynamic: Vec::new(), meshes: Vec::new() }
-    }
-
-    /// Keeps every island awake.
-    pub fn disable_sleep(&mut self) {
-        // SAFETY: the world lives as long as `self`.
-        unsafe { ffi::b3World_EnableSleeping(self.id, false) }
-    }
-
-    /// A body definition at a position with Box3D's defaults.
-    pub fn body_def(kind: ffi::b3BodyType, x: f32, y: f32, z: f32) -> ffi::b3BodyDef {
-        // SAFETY: returns a plain value.
-        let mut def = unsafe { ffi::b3DefaultBodyDef() };
-        def.type_ = kind;
-        def.position = vec3(x, y, z);
-        def
-    }
-
-    /// Creates a body without shapes.
-    pub fn body(&mut self, def: &ffi::b3BodyDef) -> ffi::b3BodyId {
-        // SAFETY: the definition started from b3DefaultBodyDef and holds no pointers of ours.
-        let id = unsafe { ffi::b3CreateBody(self.id, def) };
-        self.bodies.push(id);
-        if def.type_ == ffi::b3BodyType_b3_dynamicBody {
-            self.dynamic.push(id);
-        }
-        id
-    }
-
-    /// Attaches a shape to a body of this world.
-    pub fn shape(&mut self, body: ffi::b3BodyId, shape: &Shape, options: ShapeOptions) {
-        // SAFETY: the body belongs to this world; Box3D copies the geometry it is given during the call.
-        unsafe {
-            let mut def = ffi::b3DefaultShapeDef();
-            def.density = options.density;
-            def.baseMaterial.friction = options.friction;
-            def.baseMaterial.restitution = options.restitution;
-            def.baseMaterial.rollingResistance = options.rolling;
-            def.invokeContactCreation = options.buffer_move;
-            if options.ghost {
-                def.filter.categoryBits = 2;
-                def.filter.maskBits = !2;
-            }
-            match shape {
-                Shape::Box { half: [x, y, z], centre: [cx, cy, cz] } => {
-                    let hull = ffi::b3MakeOffsetBoxHull(*x, *y, *z, vec3(*cx, *cy, *cz));
-                    ffi::b3CreateHullShape(body, &def, &raw const hull.base);
-                }
-                Shape::Sphere { radius } => {
-                    let sphere = ffi::b3Sphere { center: vec3(0.0, 0.0, 0.0), radius: *radius };
-                    ffi::b3CreateSphereShape(body, &def, &sphere);
-                }
-                Shape::Capsule { half_height, radius } => {
-                    let capsule = ffi::b3Capsule {
-                        center1: vec3(0.0, -half_height, 0.0),
-                        center2: vec3(0.0, *half_height, 0.0),
-                        radius: *radius,
-                    };
-                    ffi::b3CreateCapsuleShape(body, &def, &capsule);
-                }
-                Shape::Hull(hull) => {
-                    ffi::b3CreateHullShape(body, &def, hull.0);
-                }
-            }
-        }
-    }
-
-    /// Attaches a mesh of counter-clockwise triangles to a fixed body.
-    pub fn mesh(
-        &mut self,
-        body: ffi::b3BodyId,
-        points: &mut [ffi::b3Vec3],
-        triangles: &[[usize; 3]],
-        options: ShapeOptions,
-    ) -> Result<(), String> {
+impl Mesh {
+    /// The mesh of `triangles` over `points` (metres, body frame), with its flat and concave edges marked.
+    pub fn new(points: &[V], triangles: &[[u32; 3]]) -> Result<Mesh, String> {
         let count = |n: usize| c_int::try_from(n).map_err(|e| e.to_string());
+        let mut points: Vec<_> = points.iter().copied().map(vec3).collect();
         let mut indices = Vec::with_capacity(3 * triangles.len());
         for &i in triangles.as_flattened() {
-            indices.push(count(i)?);
+            indices.push(count(i as usize)?);
         }
         let def = ffi::b3MeshDef {
             vertices: points.as_mut_ptr(),
@@ -222,51 +111,224 @@ impl World {
             useMedianSplit: false,
             identifyEdges: true,
         };
-        // SAFETY: the pointers and counts describe live vectors, which Box3D copies; no list of degenerate triangles is asked for.
-        // The mesh is destroyed after the world whose shapes use it.
+        // SAFETY: the pointers and counts describe live vectors, which Box3D copies; no list of degenerate
+        // triangles is asked for.
+        let mesh = unsafe { ffi::b3CreateMesh(&def, std::ptr::null_mut(), 0) };
+        if mesh.is_null() {
+            return Err(format!("Box3D built no mesh from {} triangles", triangles.len()));
+        }
+        Ok(Mesh(Rc::new(MeshData(mesh))))
+    }
+}
+
+impl Drop for MeshData {
+    fn drop(&mut self) {
+        // SAFETY: created by b3CreateMesh and destroyed once; a world whose shapes use it holds on to it.
+        unsafe { ffi::b3DestroyMesh(self.0) }
+    }
+}
+
+/// One Box3D world with the bodies the scene created, in creation order.
+pub struct World {
+    id: ffi::b3WorldId,
+    /// Bodies made so far that move, those removed again among them.
+    dynamic: Vec<Body>,
+    /// Bodies of all kinds now.
+    count: usize,
+    /// Dropped after the world.
+    meshes: Vec<Rc<MeshData>>,
+}
+
+impl World {
+    /// A world with Box3D's defaults, gravity along y in m/s², `threads` workers and room for `capacity`.
+    pub fn new(threads: u32, gravity_y: f32, capacity: Capacity) -> Result<World, String> {
+        let count = |n: u32| i32::try_from(n).map_err(|e| e.to_string());
+        let (fixed, moving) = (count(capacity.fixed)?, count(capacity.moving)?);
+        let capacity = ffi::b3Capacity {
+            staticShapeCount: fixed,
+            dynamicShapeCount: moving,
+            staticBodyCount: fixed,
+            dynamicBodyCount: moving,
+            contactCount: count(capacity.contacts)?,
+        };
+        // SAFETY: plain constructor calls; the definition comes from Box3D itself and outlives the call.
+        let id = unsafe {
+            let mut def = ffi::b3DefaultWorldDef();
+            def.gravity = vec3([0.0, gravity_y, 0.0]);
+            def.workerCount = threads;
+            def.capacity = capacity;
+            ffi::b3CreateWorld(&def)
+        };
+        Ok(World { id, dynamic: Vec::new(), count: 0, meshes: Vec::new() })
+    }
+
+    /// Keeps every island awake.
+    pub fn disable_sleep(&mut self) {
+        // SAFETY: the world lives as long as `self`.
+        unsafe { ffi::b3World_EnableSleeping(self.id, false) }
+    }
+
+    /// Creates a body without shapes.
+    pub fn body(&mut self, options: &BodyOptions) -> Body {
+        // SAFETY: the world is alive, and the definition comes from Box3D itself and holds no pointers of ours.
+        let id = unsafe {
+            let mut def = ffi::b3DefaultBodyDef();
+            def.type_ = match options.kind {
+                Kind::Fixed => ffi::b3BodyType_b3_staticBody,
+                Kind::Kinematic => ffi::b3BodyType_b3_kinematicBody,
+                Kind::Dynamic => ffi::b3BodyType_b3_dynamicBody,
+            };
+            let place = place(options.frame);
+            (def.position, def.rotation) = (place.p, place.q);
+            def.linearVelocity = vec3(options.velocity);
+            def.angularVelocity = vec3(options.spin);
+            def.enableSleep = options.can_sleep;
+            def.sleepThreshold = options.sleep_speed;
+            ffi::b3CreateBody(self.id, &def)
+        };
+        self.count += 1;
+        if options.kind == Kind::Dynamic {
+            self.dynamic.push(id);
+        }
+        id
+    }
+
+    /// Destroys a body with its shapes and joints.
+    pub fn remove(&mut self, body: Body) {
+        // SAFETY: the body belongs to this world and is removed once.
+        unsafe { ffi::b3DestroyBody(body) }
+        self.count -= 1;
+    }
+
+    /// Attaches a shape to a body of this world.
+    pub fn shape(&mut self, body: Body, shape: &Shape, options: ShapeOptions) {
+        // SAFETY: the body belongs to this world; Box3D copies the geometry it is given during the call.
         unsafe {
-            let mesh = ffi::b3CreateMesh(&def, std::ptr::null_mut(), 0);
-            if mesh.is_null() {
-                return Err(format!("Box3D built no mesh from {} triangles", triangles.len()));
+            let mut def = ffi::b3DefaultShapeDef();
+            def.density = options.density;
+            def.baseMaterial.friction = options.friction;
+            def.baseMaterial.restitution = options.restitution;
+            def.baseMaterial.rollingResistance = options.rolling;
+            def.invokeContactCreation = options.buffer_move;
+            match options.meets {
+                Meets::All => {}
+                Meets::NotGhosts => {
+                    def.filter.categoryBits = 2;
+                    def.filter.maskBits = !2;
+                }
+                Meets::NotGroup(group) => def.filter.groupIndex = -1 - group as c_int,
             }
-            self.meshes.push(mesh);
+            match shape {
+                Shape::Box { half: [x, y, z], centre } => {
+                    let hull = ffi::b3MakeOffsetBoxHull(*x, *y, *z, vec3(*centre));
+                    ffi::b3CreateHullShape(body, &def, &raw const hull.base);
+                }
+                Shape::Sphere { radius } => {
+                    let sphere = ffi::b3Sphere { center: vec3([0.0; 3]), radius: *radius };
+                    ffi::b3CreateSphereShape(body, &def, &sphere);
+                }
+                Shape::Capsule { a, b, radius } => {
+                    let capsule = ffi::b3Capsule { center1: vec3(*a), center2: vec3(*b), radius: *radius };
+                    ffi::b3CreateCapsuleShape(body, &def, &capsule);
+                }
+                Shape::Hull(hull) => {
+                    ffi::b3CreateHullShape(body, &def, hull.0);
+                }
+            }
+        }
+    }
+
+    /// Attaches a mesh to a fixed body.
+    pub fn mesh(&mut self, body: Body, mesh: &Mesh, options: ShapeOptions) {
+        self.meshes.push(Rc::clone(&mesh.0));
+        // SAFETY: the body belongs to this world, which holds on to the mesh.
+        unsafe {
             let mut def = ffi::b3DefaultShapeDef();
             def.baseMaterial.friction = options.friction;
             def.baseMaterial.restitution = options.restitution;
-            ffi::b3CreateMeshShape(body, &def, mesh, vec3(1.0, 1.0, 1.0));
+            def.baseMaterial.rollingResistance = options.rolling;
+            ffi::b3CreateMeshShape(body, &def, mesh.0.0, vec3([1.0; 3]));
         }
-        Ok(())
     }
 
     /// Where the centre of mass is, in the body's frame.
-    pub fn local_center(&self, body: ffi::b3BodyId) -> ffi::b3Vec3 {
+    pub fn local_center(&mut self, body: Body) -> V {
         // SAFETY: the body belongs to this world.
-        unsafe { ffi::b3Body_GetLocalCenter(body) }
+        let c = unsafe { ffi::b3Body_GetLocalCenter(body) };
+        [c.x, c.y, c.z]
     }
 
     /// Sets the velocity of the centre of mass, m/s, and the spin, rad/s.
-    pub fn set_velocity(&mut self, body: ffi::b3BodyId, v: ffi::b3Vec3, w: ffi::b3Vec3) {
+    pub fn set_velocity(&mut self, body: Body, v: V, w: V) {
         // SAFETY: as above.
         unsafe {
-            ffi::b3Body_SetLinearVelocity(body, v);
-            ffi::b3Body_SetAngularVelocity(body, w);
+            ffi::b3Body_SetLinearVelocity(body, vec3(v));
+            ffi::b3Body_SetAngularVelocity(body, vec3(w));
         }
     }
 
+    fn joint(base: &mut ffi::b3JointDef, a: (Body, Frame), b: (Body, Frame)) {
+        (base.bodyIdA, base.localFrameA) = (a.0, frame(a.1));
+        (base.bodyIdB, base.localFrameB) = (b.0, frame(b.1));
+        (base.constraintHertz, base.constraintDampingRatio) = JOINT_SOFTNESS;
+    }
+
     /// Holds a point of A to a point of B, each in its body's frame; turning is free.
-    pub fn ball_joint(&mut self, a: (ffi::b3BodyId, ffi::b3Vec3), b: (ffi::b3BodyId, ffi::b3Vec3)) {
+    pub fn ball_joint(&mut self, a: (Body, V), b: (Body, V)) {
+        let unturned = [0.0, 0.0, 0.0, 1.0];
         // SAFETY: both bodies belong to this world; the definition started from Box3D's own.
         unsafe {
             let mut def = ffi::b3DefaultSphericalJointDef();
-            (def.base.bodyIdA, def.base.localFrameA.p) = a;
-            (def.base.bodyIdB, def.base.localFrameB.p) = b;
+            Self::joint(&mut def.base, (a.0, (a.1, unturned)), (b.0, (b.1, unturned)));
             ffi::b3CreateSphericalJoint(self.id, &def);
         }
     }
 
+    /// Joins two bones with limits, a spring to their rest and a motor that stands for friction.
+    pub fn limb(&mut self, limb: &Limb) {
+        let (a, b) = ((limb.a, limb.frame_a), (limb.b, limb.frame_b));
+        // SAFETY: as above.
+        unsafe {
+            match limb.hold {
+                Hold::Root => {}
+                Hold::Ball(cone, lo, hi) => {
+                    let mut def = ffi::b3DefaultSphericalJointDef();
+                    Self::joint(&mut def.base, a, b);
+                    (def.enableConeLimit, def.coneAngle) = (true, cone.to_radians());
+                    def.enableTwistLimit = true;
+                    (def.lowerTwistAngle, def.upperTwistAngle) = (lo.to_radians(), hi.to_radians());
+                    def.enableSpring = true;
+                    (def.hertz, def.dampingRatio) = REST_SPRING;
+                    (def.enableMotor, def.maxMotorTorque) = (true, limb.friction);
+                    ffi::b3CreateSphericalJoint(self.id, &def);
+                }
+                Hold::Hinge(lo, hi) => {
+                    let mut def = ffi::b3DefaultRevoluteJointDef();
+                    Self::joint(&mut def.base, a, b);
+                    def.enableLimit = true;
+                    (def.lowerAngle, def.upperAngle) = (lo.to_radians(), hi.to_radians());
+                    def.enableSpring = true;
+                    (def.hertz, def.dampingRatio) = REST_SPRING;
+                    (def.enableMotor, def.maxMotorTorque) = (true, limb.friction);
+                    ffi::b3CreateRevoluteJoint(self.id, &def);
+                }
+            }
+        }
+    }
+
+    /// Keeps two bodies from touching each other.
+    pub fn pass_through(&mut self, a: Body, b: Body) {
+        // SAFETY: as above.
+        unsafe {
+            let mut def = ffi::b3DefaultFilterJointDef();
+            (def.base.bodyIdA, def.base.bodyIdB) = (a, b);
+            ffi::b3CreateFilterJoint(self.id, &def);
+        }
+    }
+
     /// Gives a kinematic body the velocity that reaches the position, unturned, in one step.
-    pub fn move_to(&mut self, body: ffi::b3BodyId, x: f32, y: f32, z: f32) {
-        let target = ffi::b3WorldTransform { p: vec3(x, y, z), q: identity() };
+    pub fn move_to(&mut self, body: Body, x: f32, y: f32, z: f32) {
+        let target = place(([x, y, z], [0.0, 0.0, 0.0, 1.0]));
         // SAFETY: the body belongs to this world.
         unsafe { ffi::b3Body_SetTargetTransform(body, target, DT_S, false) }
     }
@@ -274,28 +336,33 @@ impl World {
     /// One step of `DT_S` with `SUBSTEPS` substeps.
     pub fn step(&mut self) {
         // SAFETY: the world is alive, and no callback of ours runs inside.
-        unsafe { ffi::b3World_Step(self.id, DT_S, SUBSTEPS) }
+        unsafe { ffi::b3World_Step(self.id, DT_S, SUBSTEPS as c_int) }
     }
 
     /// Number of all bodies.
     pub fn body_count(&self) -> usize {
-        self.bodies.len()
+        self.count
+    }
+
+    fn moving(&self) -> impl Iterator<Item = Body> {
+        // SAFETY: asks whether the id still names a body.
+        self.dynamic.iter().copied().filter(|&body| unsafe { ffi::b3Body_IsValid(body) })
     }
 
     /// Heights of the dynamic bodies in creation order, in metres.
     pub fn dynamic_heights(&self) -> Vec<f32> {
-        // SAFETY: each id was created in this world and is never destroyed before it.
-        self.dynamic.iter().map(|&body| unsafe { ffi::b3Body_GetPosition(body) }.y).collect()
+        // SAFETY: each body is one of this world.
+        self.moving().map(|body| unsafe { ffi::b3Body_GetPosition(body) }.y).collect()
     }
 
     /// Greatest speed of a dynamic body, in m/s.
     pub fn speed_max(&self) -> f32 {
-        let speed = |&body: &ffi::b3BodyId| {
+        let speed = |body: Body| {
             // SAFETY: as above.
             let v = unsafe { ffi::b3Body_GetLinearVelocity(body) };
             (v.x * v.x + v.y * v.y + v.z * v.z).sqrt()
         };
-        self.dynamic.iter().map(speed).fold(0.0, f32::max)
+        self.moving().map(speed).fold(0.0, f32::max)
     }
 
     /// Number of awake bodies.
@@ -320,7 +387,7 @@ impl World {
     pub fn touching(&self) -> (usize, usize) {
         let mut seen = BTreeSet::new();
         let mut points = 0;
-        for &body in &self.dynamic {
+        for body in self.moving() {
             // SAFETY: the buffer holds `capacity` elements and Box3D says how many it filled; the manifolds it
             // points to stay valid until the next step.
             unsafe {
@@ -344,9 +411,6 @@ impl World {
 impl Drop for World {
     fn drop(&mut self) {
         // SAFETY: created in `new`, destroyed once.
-        unsafe {
-            ffi::b3DestroyWorld(self.id);
-            self.meshes.iter().for_each(|&mesh| ffi::b3DestroyMesh(mesh));
-        }
+        unsafe { ffi::b3DestroyWorld(self.id) }
     }
 }

@@ -1,42 +1,53 @@
 //! Other engines: each a program of its own under `bench/peers`, built and started from here.
 
-use super::Row;
+use super::{Plan, Sample};
 use crate::error::{Done, Failure};
 use crate::output::note;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// What a peer's program ends with where its engine's build cannot do what was asked.
+const CANNOT: i32 = 2;
+
 /// A built program that times scenes in another engine.
 pub(crate) struct Peer {
-    name: String,
+    pub name: String,
     program: PathBuf,
 }
 
-/// Builds the program of an engine, unless it is built.
-pub(crate) fn find(name: &str) -> Done<Peer> {
+/// Builds the programs of these engines, unless they are built. All names are looked at before the first is built.
+pub(crate) fn build(names: &[String]) -> Done<Vec<Peer>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../bench/peers");
-    let known: Vec<String> = std::fs::read_dir(&folder)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .filter(|e| e.path().join("Cargo.toml").is_file())
-        .filter_map(|e| e.file_name().into_string().ok())
-        .collect();
-    if !known.iter().any(|k| k == name) {
-        return Err(Failure::bad(format!(
-            "--against {name}: no such program in bench/peers; expected one of {}",
-            if known.is_empty() { "(none here)".into() } else { known.join(", ") }
-        )));
+    let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+    let programs = entries.filter(|e| e.path().join("Cargo.toml").is_file());
+    let mut known: Vec<String> = programs.filter_map(|e| e.file_name().into_string().ok()).collect();
+    known.sort();
+    names.iter().try_for_each(|name| check(name, &known))?;
+    names.iter().map(|name| build_one(&folder.join(name), name)).collect()
+}
+
+fn check(name: &str, known: &[String]) -> Done {
+    if known.iter().any(|k| k == name) {
+        return Ok(());
     }
-    let folder = folder.join(name);
+    let expected = if known.is_empty() {
+        "there are none here, as a program outside its checkout has none".into()
+    } else {
+        format!("expected one of {}", known.join(", "))
+    };
+    Err(Failure::bad(format!("--against {name}: no such program in bench/peers; {expected}")))
+}
+
+fn build_one(folder: &Path, name: &str) -> Done<Peer> {
     note(&format!("building bench/peers/{name}"));
-    // Inside its folder: its own cargo settings choose how the engine is compiled.
+    // Inside its folder: its own cargo settings choose how the engine is compiled, and nothing else does.
     let built = Command::new("cargo")
-        .args(["build", "--release", "--quiet"])
-        .current_dir(&folder)
-        .env_remove("CARGO_TARGET_DIR")
+        .args(["build", "--release", "--quiet", "--target-dir", "target"])
+        .current_dir(folder)
         .env_remove("RUSTFLAGS")
+        .env_remove("CARGO_ENCODED_RUSTFLAGS")
+        .env_remove("CARGO_BUILD_RUSTFLAGS")
         .stdout(Stdio::null())
         .status();
     match built {
@@ -49,44 +60,81 @@ pub(crate) fn find(name: &str) -> Done<Peer> {
 }
 
 impl Peer {
-    /// Times a scene; nothing where the engine's program does not know it.
-    pub fn run(&self, scene: &str, steps: usize, repeats: usize, threads: u32) -> Done<Option<Row>> {
-        let words = [
-            scene.to_string(),
-            "--steps".into(),
-            steps.to_string(),
-            "--repeats".into(),
-            repeats.to_string(),
-            "--threads".into(),
-            threads.to_string(),
-        ];
+    /// Times a scene once; nothing where the engine's build cannot run it.
+    pub fn run(&self, scene: &str, plan: Plan) -> Done<Option<Sample>> {
         let fail = |what: String| Failure::bad(format!("{} on {scene}: {what}", self.name));
         let output = Command::new(&self.program)
-            .args(words)
+            .args([scene, "--repeats", "1", "--steps", &plan.steps.to_string()])
+            .args(["--threads", &plan.threads.to_string()])
             .stdin(Stdio::null())
             .output()
             .map_err(|e| fail(format!("cannot start {}: {e}", self.program.display())))?;
-        if !output.status.success() {
-            let message = String::from_utf8_lossy(&output.stderr).into_owned();
-            note(&format!("{} skips {scene}: {}", self.name, message.trim()));
+        let message = String::from_utf8_lossy(&output.stderr);
+        if output.status.code() == Some(CANNOT) {
+            let why = message.lines().find(|l| !l.trim().is_empty()).unwrap_or("no reason given");
+            note(&format!("{} skips {scene}: {why}", self.name));
             return Ok(None);
         }
-        let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        let line = text.lines().rfind(|l| !l.trim().is_empty()).unwrap_or("");
-        let v: Value = serde_json::from_str(line).map_err(|e| fail(format!("not a JSON line: {e}")))?;
-        let ms = v["ms_total_min"].as_f64().ok_or_else(|| fail("no ms_total_min".into()))?;
-        let top = ["top_y", "highest_y", "top_y_lowest"];
-        Ok(Some(Row {
-            scene: scene.into(),
-            engine: v["engine"].as_str().unwrap_or(&self.name).into(),
-            threads,
-            steps,
-            ms_min: ms,
-            ms_median: v["ms_total_median"].as_f64().unwrap_or(ms),
-            ratio_to_best: None,
-            bodies: v["bodies"].as_u64().unwrap_or(0),
-            touching: v["touching"].as_u64().unwrap_or(0),
-            top_y: top.iter().find_map(|k| v["quality"][k].as_f64()),
-        }))
+        if !output.status.success() {
+            return Err(fail(format!("{}\n{}", output.status, message.trim())));
+        }
+        sample(&String::from_utf8_lossy(&output.stdout)).map(Some).map_err(fail)
+    }
+}
+
+/// Reads the last line of a program's output.
+fn sample(text: &str) -> Result<Sample, String> {
+    let line = text.lines().rfind(|l| !l.trim().is_empty()).ok_or("it printed nothing")?;
+    let v: Value = serde_json::from_str(line).map_err(|e| format!("no JSON line: {e}"))?;
+    let count = |key: &str| v[key].as_u64().ok_or(format!("no count \"{key}\" in its line"));
+    let figures = v["quality"].as_object().into_iter().flatten();
+    Ok(Sample {
+        ms: v["ms_total_min"].as_f64().ok_or("no \"ms_total_min\" in its line")?,
+        bodies: count("bodies")?,
+        joints: count("joints")?,
+        touching: count("touching")?,
+        quality: figures.filter_map(|(name, v)| Some((name.clone(), v.as_f64()?))).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(done: Done) -> String {
+        match done {
+            Err(Failure::Bad { message, .. }) => message,
+            other => panic!("no refusal: {other:?}"),
+        }
+    }
+
+    #[test]
+    fn an_unknown_engine_is_told_which_there_are() {
+        let known = ["box3d".to_string(), "rapier".to_string()];
+        assert!(check("rapier", &known).is_ok());
+        let text = message(check("rapier2", &known));
+        assert!(text.contains("rapier2") && text.contains("box3d, rapier"), "{text}");
+        assert!(message(check("box3d", &[])).contains("none here"));
+    }
+
+    #[test]
+    fn a_program_that_is_not_there_is_an_error() {
+        let peer = Peer { name: "ghost".into(), program: "no/such/ghost-peer".into() };
+        let text = message(peer.run("rain", Plan { steps: 2, repeats: 1, threads: 1 }).map(drop));
+        assert!(text.contains("ghost on rain") && text.contains("cannot start"), "{text}");
+    }
+
+    #[test]
+    fn lines_are_read() {
+        let line = r#"{"ms_total_min": 2.5, "bodies": 7, "joints": 6, "touching": 5,
+            "quality": {"top_y": 1.5, "odd": null}}"#
+            .replace('\n', "");
+        let s = sample(&format!("noise\n{line}\n\n")).expect("read");
+        assert_eq!((s.ms, s.bodies, s.joints, s.touching), (2.5, 7, 6, 5));
+        assert_eq!(s.quality.into_iter().collect::<Vec<_>>(), [("top_y".to_string(), 1.5)]);
+        for (text, word) in [("", "nothing"), ("{", "JSON"), ("{}", "ms_total_min")] {
+            assert!(sample(text).expect_err(text).contains(word), "{text}");
+        }
+        assert!(sample(&line.replace("joints", "links")).expect_err("no joints").contains("joints"));
     }
 }

@@ -80,8 +80,10 @@ pub(super) fn rain() -> Built {
                 let x = -75.0 + SPAN * (column as f32 + 0.5) + 0.75 * m as f32;
                 let z = -75.0 + SPAN * (row as f32 + 0.5);
                 let group = -1 - (column * CELLS + row) as i32;
-                let doll = world.add_ragdoll(&RagdollDesc::human().at(at(x, 20.0, z)).group(group))?;
-                columns[column].push(doll);
+                let mut human = RagdollDesc::human().at(at(x, 20.0, z)).group(group);
+                // As the bones are given: the other engines close no gaps.
+                human.close_gaps = false;
+                columns[column].push(world.add_ragdoll(&human)?);
             }
         }
         Ok(())
@@ -116,7 +118,10 @@ fn trees(scale: u32) -> Built {
         let mut tree = BodyDesc::dynamic().at(at(0.0, 1.0, -70.0 + 3.0 * k as f32));
         let (mut y0, mut r, l) = (1.0, 0.75, 1.5);
         for _ in 0..22 {
-            tree = tree.shape(log(y0 - r, l + 2.0 * r, r)?.density(1.0).friction(0.9));
+            let mut log = log(y0 - r, l + 2.0 * r, r)?.density(1.0).friction(0.9);
+            // A rolling resistance of 0.05, times the radius of the ball inside, as Box3D has it on meshes.
+            log.material.rolling_friction = 0.05 * r * cos(PI / 6.0);
+            tree = tree.shape(log);
             y0 += l + 2.0 * r;
             r *= 0.95;
         }

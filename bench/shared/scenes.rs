@@ -2,21 +2,19 @@
 //!
 //! "Half" means half extents; lengths are metres, densities kg/m³; y is up.
 
-use crate::world::{DT_S, Hull, Shape, ShapeOptions, World, vec3};
-use boxddd_sys::ffi;
-use ffi::{
-    b3BodyType_b3_dynamicBody as DYNAMIC, b3BodyType_b3_kinematicBody as KINEMATIC,
-    b3BodyType_b3_staticBody as STATIC,
-};
+use super::parts::Kind::{Dynamic, Fixed, Kinematic};
+use super::parts::{BodyOptions, Capacity, DT_S, Meets, Shape, ShapeOptions};
+use super::terrain;
+use crate::world::{Hull, World};
 use serde_json::{Value, json};
 use std::f32::consts::PI;
 
 /// What a scene does before step `k`.
-type Before = Box<dyn FnMut(&mut World, usize)>;
+pub type Before = Box<dyn FnMut(&mut World, usize)>;
 /// Makes the bodies, and hands back what happens before each step.
-type Build = fn(&mut World) -> Result<Before, String>;
+pub type Build = fn(&mut World) -> Result<Before, String>;
 /// Reads, after the last step, the figures that say how well the engine held the scene.
-type Quality = fn(&World) -> Value;
+pub type Quality = fn(&World) -> Value;
 
 /// A named scene of the comparison.
 pub struct Scene {
@@ -24,7 +22,7 @@ pub struct Scene {
     pub steps: usize,
     /// m/s² along y.
     pub gravity_y: f32,
-    pub capacity: fn() -> ffi::b3Capacity,
+    pub capacity: Capacity,
     pub build: Build,
     pub quality: Quality,
 }
@@ -34,14 +32,15 @@ pub const SCENES: &[Scene] = &[
     Scene { build: large_pyramid, quality: top_quality, ..scene("large_pyramid", 200) },
     Scene { build: many_pyramids, quality: many_quality, ..scene("many_pyramids", 100) },
     Scene { build: joint_grid, ..scene("joint_grid", 100) },
-    Scene { build: junkyard, capacity: junkyard_capacity, ..scene("junkyard", 500) },
-    Scene { build: washer, capacity: washer_capacity, ..scene("washer", 1000) },
-    Scene { build: convex_pile, capacity: convex_pile_capacity, ..scene("convex_pile", 500) },
-    Scene { build: large_world, capacity: large_world_capacity, ..scene("large_world", 500) },
-    Scene { build: |world| trees(world, 1), ..scene("trees100", 500) },
-    Scene { build: |world| trees(world, 2), ..scene("trees50", 500) },
-    Scene { build: |world| trees(world, 4), ..scene("trees25", 500) },
-    Scene { build: convex_vs_mesh, gravity_y: -9.81, ..scene("convex_vs_mesh", 500) },
+    Scene { build: terrain::rain, ..scene("rain", 400) },
+    Scene { build: junkyard, capacity: room(16, 24 * 21 * 21 + 1, 250 * 1024), ..scene("junkyard", 500) },
+    Scene { build: washer, capacity: room(16, 10_000, 60_000), ..scene("washer", 1000) },
+    Scene { build: convex_pile, capacity: room(0, 5120, 50 * 1024), ..scene("convex_pile", 500) },
+    Scene { build: large_world, capacity: room(1_000_000, 100, 1024), ..scene("large_world", 500) },
+    Scene { build: terrain::trees100, ..scene("trees100", 500) },
+    Scene { build: terrain::trees50, ..scene("trees50", 500) },
+    Scene { build: terrain::trees25, ..scene("trees25", 500) },
+    Scene { build: terrain::convex_vs_mesh, gravity_y: -9.81, ..scene("convex_vs_mesh", 500) },
     Scene { build: jolt_pyramid, gravity_y: -9.81, ..scene("jolt_pyramid", 500) },
     Scene { build: heavy_on_light, quality: sink_quality, gravity_y: -9.81, ..scene("heavy_on_light", 600) },
 ];
@@ -51,33 +50,23 @@ const fn scene(name: &'static str, steps: usize) -> Scene {
         name,
         steps,
         gravity_y: -10.0,
-        capacity: no_capacity,
+        capacity: room(0, 0, 0),
         build: large_pyramid,
         quality: pile_quality,
     }
 }
 
-fn no_capacity() -> ffi::b3Capacity {
-    capacity(0, 0, 0)
+const fn room(fixed: u32, moving: u32, contacts: u32) -> Capacity {
+    Capacity { fixed, moving, contacts }
 }
 
-fn capacity(fixed: i32, moving: i32, contacts: i32) -> ffi::b3Capacity {
-    ffi::b3Capacity {
-        staticShapeCount: fixed,
-        dynamicShapeCount: moving,
-        staticBodyCount: fixed,
-        dynamicBodyCount: moving,
-        contactCount: contacts,
-    }
-}
-
-fn nothing() -> Before {
+pub fn nothing() -> Before {
     Box::new(|_, _| {})
 }
 
 /// A static box whose top face is the plane y = 0.
 fn ground(world: &mut World, half_x: f32, half_z: f32, options: ShapeOptions) {
-    let body = world.body(&World::body_def(STATIC, 0.0, -1.0, 0.0));
+    let body = world.body(&BodyOptions::new(Fixed, 0.0, -1.0, 0.0));
     world.shape(body, &Shape::block(half_x, 1.0, half_z), options);
 }
 
@@ -90,7 +79,7 @@ fn large_pyramid(world: &mut World) -> Result<Before, String> {
         let y = (2.0 * i as f32 + 1.0) * 0.5;
         for j in i..ROWS {
             let x = (i as f32 + 1.0) * 0.5 + (j - i) as f32 - 50.0;
-            let body = world.body(&World::body_def(DYNAMIC, x, y, 0.0));
+            let body = world.body(&BodyOptions::new(Dynamic, x, y, 0.0));
             world.shape(body, &Shape::block(0.5, 0.5, 0.5), options);
         }
     }
@@ -111,8 +100,8 @@ fn many_pyramids(world: &mut World) -> Result<Before, String> {
                 let y = (2.0 * i as f32 + 1.0) * 0.5;
                 for j in i..SMALL_ROWS {
                     let x = (i as f32 + 1.0) * 0.5 + (j - i) as f32 + centre_x - 0.5;
-                    let mut def = World::body_def(DYNAMIC, x, y, z);
-                    def.enableSleep = false;
+                    let mut def = BodyOptions::new(Dynamic, x, y, z);
+                    def.can_sleep = false;
                     let body = world.body(&def);
                     world.shape(body, &Shape::block(0.5, 0.5, 0.5), options);
                 }
@@ -126,20 +115,20 @@ fn many_pyramids(world: &mut World) -> Result<Before, String> {
 fn joint_grid(world: &mut World) -> Result<Before, String> {
     const SIDE: usize = 100;
     world.disable_sleep();
-    let options = ShapeOptions { ghost: true, ..Default::default() };
+    let options = ShapeOptions { meets: Meets::NotGhosts, ..Default::default() };
     let mut bodies = Vec::with_capacity(SIDE * SIDE);
     for k in 0..SIDE {
         for i in 0..SIDE {
-            let kind = if i == 0 { STATIC } else { DYNAMIC };
-            let body = world.body(&World::body_def(kind, k as f32, -(i as f32), 0.0));
+            let kind = if i == 0 { Fixed } else { Dynamic };
+            let body = world.body(&BodyOptions::new(kind, k as f32, -(i as f32), 0.0));
             world.shape(body, &Shape::Sphere { radius: 0.4 }, options);
             if i > 0 {
                 let above = bodies[bodies.len() - 1];
-                world.ball_joint((above, vec3(0.0, -0.5, 0.0)), (body, vec3(0.0, 0.5, 0.0)));
+                world.ball_joint((above, [0.0, -0.5, 0.0]), (body, [0.0, 0.5, 0.0]));
             }
             if k > 0 {
                 let before = bodies[bodies.len() - SIDE];
-                world.ball_joint((before, vec3(0.5, 0.0, 0.0)), (body, vec3(-0.5, 0.0, 0.0)));
+                world.ball_joint((before, [0.5, 0.0, 0.0]), (body, [-0.5, 0.0, 0.0]));
             }
             bodies.push(body);
         }
@@ -147,12 +136,8 @@ fn joint_grid(world: &mut World) -> Result<Before, String> {
     Ok(nothing())
 }
 
-fn junkyard_capacity() -> ffi::b3Capacity {
-    capacity(16, 24 * 21 * 21 + 1, 250 * 1024)
-}
-
 fn junkyard(world: &mut World) -> Result<Before, String> {
-    let yard = world.body(&World::body_def(STATIC, 0.0, -1.0, 0.0));
+    let yard = world.body(&BodyOptions::new(Fixed, 0.0, -1.0, 0.0));
     let options = ShapeOptions::default();
     world.shape(yard, &Shape::block(120.0, 1.0, 120.0), options);
     for x in [-50.0, 50.0] {
@@ -166,14 +151,14 @@ fn junkyard(world: &mut World) -> Result<Before, String> {
         for x in 0..21 {
             for z in 0..21 {
                 let (x, z) = (-40.0 + 4.0 * x as f32, -40.0 + 4.0 * z as f32);
-                let body = world.body(&World::body_def(DYNAMIC, x, 4.0 * layer as f32 + 25.0, z));
+                let body = world.body(&BodyOptions::new(Dynamic, x, 4.0 * layer as f32 + 25.0, z));
                 world.shape(body, &Shape::Hull(&rock), options);
             }
         }
     }
-    let pusher = world.body(&World::body_def(KINEMATIC, 35.0, 0.0, 0.0));
+    let pusher = world.body(&BodyOptions::new(Kinematic, 35.0, 0.0, 0.0));
     let corners = (0..16).map(|k| 2.0 * PI * k as f32 / 16.0).map(|a| (4.0 * a.cos(), 4.0 * a.sin()));
-    let points: Vec<_> = corners.flat_map(|(x, z)| [vec3(x, 0.0, z), vec3(x, 24.0, z)]).collect();
+    let points: Vec<_> = corners.flat_map(|(x, z)| [[x, 0.0, z], [x, 24.0, z]]).collect();
     world.shape(pusher, &Shape::Hull(&Hull::new(&points)?), options);
     let mut degrees = 0.0f32;
     Ok(Box::new(move |world, _| {
@@ -192,13 +177,9 @@ fn rock(radius: f32) -> Result<Hull, String> {
         let z = 1.0 - (2.0 * i as f32 + 1.0) / COUNT as f32;
         let ring = (1.0 - z * z).sqrt();
         let (sin, cos) = (i as f32 * theta).sin_cos();
-        vec3(radius * ring * cos, radius * ring * sin, radius * z)
+        [radius * ring * cos, radius * ring * sin, radius * z]
     };
     Hull::new(&(0..COUNT).map(point).collect::<Vec<_>>())
-}
-
-fn washer_capacity() -> ffi::b3Capacity {
-    capacity(16, 10_000, 60_000)
 }
 
 /// `(x, y)` turned about z by an angle in degrees.
@@ -212,7 +193,7 @@ fn slab(radii: [f32; 2], directions: [(f32, f32); 2]) -> Result<Hull, String> {
     let mut points = Vec::with_capacity(8);
     for z in [-10.0, 10.0] {
         for (x, y) in directions {
-            points.extend(radii.map(|r| vec3(r * x, r * y, z)));
+            points.extend(radii.map(|r| [r * x, r * y, z]));
         }
     }
     Hull::new(&points)
@@ -222,9 +203,9 @@ fn washer(world: &mut World) -> Result<Before, String> {
     const SIDE: usize = 20;
     let options = ShapeOptions::default();
     ground(world, 60.0, 60.0, options);
-    let mut def = World::body_def(KINEMATIC, 0.0, 21.0, 0.0);
-    def.angularVelocity = vec3(0.0, 0.0, 25.0f32.to_radians());
-    def.linearVelocity = vec3(0.001, -0.002, 0.0);
+    let mut def = BodyOptions::new(Kinematic, 0.0, 21.0, 0.0);
+    def.spin = [0.0, 0.0, 25.0f32.to_radians()];
+    def.velocity = [0.001, -0.002, 0.0];
     let drum = world.body(&def);
     let mut u1 = (1.0, 0.0);
     for i in 0..36 {
@@ -240,16 +221,12 @@ fn washer(world: &mut World) -> Result<Before, String> {
         for j in 0..SIDE {
             for k in 0..SIDE {
                 let [x, y, z] = [-8.0 + 0.8 * i as f32, 13.0 + 0.8 * j as f32, -8.0 + 0.8 * k as f32];
-                let body = world.body(&World::body_def(DYNAMIC, x, y, z));
+                let body = world.body(&BodyOptions::new(Dynamic, x, y, z));
                 world.shape(body, &Shape::block(0.2, 0.2, 0.2), options);
             }
         }
     }
     Ok(nothing())
-}
-
-fn convex_pile_capacity() -> ffi::b3Capacity {
-    capacity(0, 5120, 50 * 1024)
 }
 
 /// The next coordinate of the pile's point set, in -0.5..=0.5.
@@ -268,7 +245,7 @@ fn convex_pile(world: &mut World) -> Result<Before, String> {
         let square = x * x + y * y + z * z;
         if square <= 0.25 {
             let scale = 2.0 / square.sqrt();
-            points.push(vec3(scale * x, scale * y, scale * z));
+            points.push([scale * x, scale * y, scale * z]);
         }
     }
     let hull = Hull::new(&points)?;
@@ -276,16 +253,12 @@ fn convex_pile(world: &mut World) -> Result<Before, String> {
         for z in 0..8 {
             for x in 0..8 {
                 let (px, pz) = ((x as f32 - 4.0) * 4.0, (z as f32 - 4.0) * 4.0);
-                let body = world.body(&World::body_def(DYNAMIC, px, 2.0 + 4.0 * layer as f32, pz));
+                let body = world.body(&BodyOptions::new(Dynamic, px, 2.0 + 4.0 * layer as f32, pz));
                 world.shape(body, &Shape::Hull(&hull), options);
             }
         }
     }
     Ok(nothing())
-}
-
-fn large_world_capacity() -> ffi::b3Capacity {
-    capacity(1_000_000, 100, 1024)
 }
 
 fn large_world(world: &mut World) -> Result<Before, String> {
@@ -294,7 +267,7 @@ fn large_world(world: &mut World) -> Result<Before, String> {
     for i in 0..SIDE {
         for j in 0..SIDE {
             let [x, z] = [i, j].map(|n| -5000.0 + (n as f32 + 0.5) * 10.0);
-            let body = world.body(&World::body_def(STATIC, x, 0.0, z));
+            let body = world.body(&BodyOptions::new(Fixed, x, 0.0, z));
             world.shape(body, &Shape::block(5.0, 0.25, 5.0), options);
         }
     }
@@ -302,7 +275,7 @@ fn large_world(world: &mut World) -> Result<Before, String> {
     Ok(Box::new(move |world, k| {
         if dropped < 100 && k > 0 && k.is_multiple_of(5) {
             let [x, z] = [dropped % 10, dropped / 10].map(|n| -4000.0 + (n as f32 + 0.5) * 800.0);
-            let body = world.body(&World::body_def(DYNAMIC, x, 1.5, z));
+            let body = world.body(&BodyOptions::new(Dynamic, x, 1.5, z));
             world.shape(body, &Shape::Sphere { radius: 0.5 }, ShapeOptions::default());
             dropped += 1;
         }
@@ -318,91 +291,10 @@ fn jolt_pyramid(world: &mut World) -> Result<Before, String> {
         for j in range.clone() {
             for k in range.clone() {
                 let [x, z] = [j, k].map(|n| -15.0 + 2.0 * n as f32 + shift);
-                let mut def = World::body_def(DYNAMIC, x, 1.0 + 2.5 * i as f32, z);
-                def.enableSleep = false;
+                let mut def = BodyOptions::new(Dynamic, x, 1.0 + 2.5 * i as f32, z);
+                def.can_sleep = false;
                 let body = world.body(&def);
                 world.shape(body, &Shape::block(1.0, 1.0, 1.0), options);
-            }
-        }
-    }
-    Ok(nothing())
-}
-
-/// Two triangles for each of nx × nz quads, from vertices in x-major order.
-fn quads(nx: usize, nz: usize) -> Vec<[usize; 3]> {
-    let v = |x: usize, z: usize| x * (nz + 1) + z;
-    let cell = |x, z| {
-        let (v00, v01, v10, v11) = (v(x, z), v(x, z + 1), v(x + 1, z), v(x + 1, z + 1));
-        [[v00, v01, v11], [v11, v10, v00]]
-    };
-    (0..nx).flat_map(|x| (0..nz).flat_map(move |z| cell(x, z))).collect()
-}
-
-/// Fifty trees of 22 logs each fall over on waves; `scale` cells to a metre.
-fn trees(world: &mut World, scale: usize) -> Result<Before, String> {
-    let (nx, nz, cell) = (150 * scale, 200 * scale, 1.0 / scale as f32);
-    let wave = |i: usize, rate: f32| (2.0 * PI * rate * cell * i as f32).sin();
-    let at = |i: usize, n: usize| (i as f32 - 0.5 * n as f32) * cell;
-    let point = |i, j| vec3(at(i, nx), 0.4 * wave(i, 0.1) * wave(j, 0.05), at(j, nz));
-    let mut points: Vec<_> = (0..=nx).flat_map(|i| (0..=nz).map(move |j| point(i, j))).collect();
-    let ground = world.body(&World::body_def(STATIC, 0.0, 0.0, 0.0));
-    let options = ShapeOptions { friction: 0.9, rolling: 0.05, density: 1.0, ..Default::default() };
-    world.mesh(ground, &mut points, &quads(nx, nz), options)?;
-    for k in 0..50 {
-        let mut def = World::body_def(DYNAMIC, 0.0, 1.0, -70.0 + 3.0 * k as f32);
-        def.sleepThreshold = 0.2;
-        let tree = world.body(&def);
-        let (mut base, mut radius, length) = (1.0f32, 0.75f32, 1.5f32);
-        for _ in 0..22 {
-            let corner = |i: usize, y: f32| {
-                let angle = 2.0 * PI * i as f32 / 6.0;
-                vec3(radius * angle.cos(), y, radius * angle.sin())
-            };
-            let (low, high) = (base - radius, base + length + radius);
-            let corners: Vec<_> = (0..6).flat_map(|i| [corner(i, low), corner(i, high)]).collect();
-            world.shape(tree, &Shape::Hull(&Hull::new(&corners)?), options);
-            base += length + 2.0 * radius;
-            radius *= 0.95;
-        }
-        let sign = if k % 2 == 0 { -0.5 } else { 0.5 };
-        let spin = sign * (0.5 + 0.5 * k as f32 / 50.0);
-        // ω × c, for ω along z.
-        let c = world.local_center(tree);
-        world.set_velocity(tree, vec3(-spin * c.y, spin * c.x, 0.0), vec3(0.0, 0.0, spin));
-    }
-    Ok(nothing())
-}
-
-/// Boxes, balls, capsules and hulls on a mesh of steep waves.
-fn convex_vs_mesh(world: &mut World) -> Result<Before, String> {
-    const SIDE: usize = 100;
-    let point = |x: usize, z: usize| {
-        let y = 5.0 * (0.5 * x as f32).sin() * (0.5 * z as f32).cos();
-        vec3(3.0 * x as f32, y, 3.0 * z as f32)
-    };
-    let mut points: Vec<_> = (0..=SIDE).flat_map(|z| (0..=SIDE).map(move |x| point(x, z))).collect();
-    let cell = |x: usize, z: usize| {
-        let s = x + z * (SIDE + 1);
-        [[s, s + SIDE + 1, s + 1], [s + 1, s + SIDE + 1, s + SIDE + 2]]
-    };
-    let triangles: Vec<_> = (0..SIDE).flat_map(|z| (0..SIDE).flat_map(move |x| cell(x, z))).collect();
-    let options = ShapeOptions { friction: 0.5, restitution: 0.6, ..Default::default() };
-    let ground = world.body(&World::body_def(STATIC, -150.0, 5.0, -150.0));
-    world.mesh(ground, &mut points, &triangles, options)?;
-    let tips = [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
-    let hull = Hull::new(&tips.map(|[x, y, z]| vec3(x, y, z)))?;
-    let shapes = [
-        Shape::block(0.5, 0.75, 1.0),
-        Shape::Sphere { radius: 0.5 },
-        Shape::Capsule { half_height: 0.75, radius: 0.5 },
-        Shape::Hull(&hull),
-    ];
-    for i in -10..=10 {
-        for j in -10..=10 {
-            for (k, shape) in shapes.iter().enumerate() {
-                let (x, y, z) = (7.5 * i as f32, 15.0 + 2.0 * k as f32, 7.5 * j as f32);
-                let body = world.body(&World::body_def(DYNAMIC, x, y, z));
-                world.shape(body, shape, options);
             }
         }
     }
@@ -413,7 +305,7 @@ fn convex_vs_mesh(world: &mut World) -> Result<Before, String> {
 fn heavy_on_light(world: &mut World) -> Result<Before, String> {
     ground(world, 50.0, 50.0, ShapeOptions::default());
     for (y, density) in [(0.5, 1.0), (1.5, 1000.0)] {
-        let body = world.body(&World::body_def(DYNAMIC, 0.0, y, 0.0));
+        let body = world.body(&BodyOptions::new(Dynamic, 0.0, y, 0.0));
         world.shape(body, &Shape::block(0.5, 0.5, 0.5), ShapeOptions { density, ..Default::default() });
     }
     Ok(nothing())
