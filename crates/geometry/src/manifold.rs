@@ -1,5 +1,6 @@
 //! What two touching shapes tell the solver.
 
+use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::pairs::{MeshScratch, Scratch};
 use jounce_math::Vec3;
 
@@ -79,9 +80,10 @@ pub struct ManifoldSet {
 }
 
 impl ManifoldSet {
-    /// An empty set.
+    /// An empty set, with room for what a shape on a mesh makes: one that serves many pairs does not go on growing.
     pub fn new() -> Self {
-        Self::default()
+        let manifolds = Vec::with_capacity(MANIFOLDS_PER_PAIR_MAX);
+        Self { manifolds, scratch: Scratch::default(), mesh: MeshScratch::with_room() }
     }
     /// Forgets the manifolds, keeps the memory.
     pub fn clear(&mut self) {

@@ -244,6 +244,11 @@ impl World {
         if c.touching {
             self.report_end(c.shape_a, c.shape_b);
         }
+        let mut rest = c.rest;
+        if rest.capacity() > 0 {
+            rest.clear();
+            self.scratch.manifolds.push(rest);
+        }
     }
 
     fn unlink_edge(&mut self, body: u32, edge: u32) {

@@ -49,24 +49,33 @@ fn weights_stay_true_under_a_heavy_load() {
     assert!(gained.abs() < 1001.0 * 9.81 / 60.0, "{gained} N s");
 }
 
-/// Two bodies of two boxes each in one place squeeze one another by a hundred times their weight, but carry nothing: they fall, and
-/// keep their momentum. (As treated bodies they hung in the air.)
+/// Bodies in one place squeeze one another by a hundred times their weight, but carry nothing: they fall, and keep their momentum. (As
+/// treated bodies they hung in the air.)
 #[test]
 fn bodies_that_squeeze_one_another_fall() {
-    let mut world = World::new(WorldDesc::default()).expect("defaults are valid");
-    let body = || {
-        BodyDesc::dynamic()
-            .shape(ShapeDesc::cuboid([0.8, 0.3, 2.0]).mass(1300.0))
-            .shape(ShapeDesc::cuboid([0.7, 0.3, 1.0]).mass(10.0).at([0.0, 0.5, 0.0]))
-    };
-    for _ in 0..2 {
-        world.add_body(body()).expect("a body");
-    }
-    let weight = 2.0 * 1310.0 * 9.81;
-    for step in 1..=120 {
-        world.step().expect("steps");
-        let p = world.momentum().linear;
-        let fallen = DVec3::new(0.0, -weight * f64::from(step) / 60.0, 0.0);
-        assert!((p - fallen).length() < 1e-3 * weight, "step {step}: {p:?} for {fallen:?}");
+    let box_of = |half: [f32; 3], mass: f32, y: f32| ShapeDesc::cuboid(half).mass(mass).at([0.0, y, 0.0]);
+    let one = vec![box_of([0.8, 0.3, 2.0], 1300.0, 0.0)];
+    let two = vec![box_of([0.8, 0.3, 2.0], 1300.0, 0.0), box_of([0.7, 0.3, 1.0], 10.0, 0.5)];
+    let four = vec![
+        box_of([0.8, 0.3, 2.0], 800.0, 0.0),
+        box_of([0.7, 0.3, 1.0], 100.0, 0.5),
+        box_of([0.2, 0.6, 0.3], 200.0, -0.4),
+        box_of([1.2, 0.1, 0.2], 100.0, 0.2),
+    ];
+    for (count, parts) in [(2, &two), (5, &two), (5, &four), (12, &one), (12, &four)] {
+        let mut world = World::new(WorldDesc::default()).expect("defaults are valid");
+        for i in 0..count {
+            let at = [0.03 * f64::from(i % 4), 0.02 * f64::from(i % 3), 0.03 * f64::from(i / 4)];
+            let body = parts.iter().fold(BodyDesc::dynamic().at(at), |b, s| b.shape(s.clone()));
+            world.add_body(body).expect("a body");
+        }
+        let mass: f64 = world.bodies().map(|b| f64::from(world.body(b).expect("alive").mass())).sum();
+        for step in 1..=240 {
+            world.step().expect("steps");
+            let p = world.momentum().linear;
+            let fallen = DVec3::new(0.0, -mass * 9.81 * f64::from(step) / 60.0, 0.0);
+            let off = (p - fallen).length() / (mass * 9.81);
+            assert!(off < 1e-3, "{count} of {} shapes, step {step}: {p:?} for {fallen:?}", parts.len());
+        }
     }
 }

@@ -47,6 +47,20 @@ pub(crate) struct MeshScratch {
     pub children: Vec<u32>,
 }
 
+impl MeshScratch {
+    pub fn with_room() -> Self {
+        Self {
+            triangles: Vec::with_capacity(ROOM),
+            candidates: Vec::with_capacity(ROOM),
+            group: Vec::with_capacity(ROOM),
+            children: Vec::new(),
+        }
+    }
+}
+
+/// Triangles near a shape, and points on them, that there is room for from the start.
+const ROOM: usize = 32;
+
 /// Surface A against convex B with bounds `bounds` in A's frame (margin included).
 pub(crate) fn surface_convex(
     a: &Surface,

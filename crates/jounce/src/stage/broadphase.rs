@@ -188,6 +188,9 @@ fn make_contact(world: &mut World, key: u64) {
     let unit = world.settings.length_unit;
     let thin = f32s::min(ra.thickness, rb.thickness);
     let center = rb.pose.inverse_transform_point(world.frames[body_b as usize].local_center);
+    // Only these have more than one manifold.
+    let many = !(ra.shape.is_convex() && rb.shape.is_convex());
+    let rest = if many { world.scratch.manifolds.pop() } else { None }.unwrap_or_default();
     let contact = Contact {
         id: NONE,
         shape_a: a,
@@ -205,7 +208,7 @@ fn make_contact(world: &mut World, key: u64) {
         tested_rotations: [Quat::IDENTITY; 2],
         tested: false,
         manifold: ContactManifold::default(),
-        rest: Vec::new(),
+        rest,
         slop: f32s::min(0.005 * unit, 0.05 * thin),
         extent_b: rb.shape.outer_radius(center),
         recycle_tolerance: f32s::min(0.02 * unit, 0.1 * thin),

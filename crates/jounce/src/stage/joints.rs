@@ -7,8 +7,10 @@ use crate::room::joints::alike::{Band, Link};
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::local::Local;
 use crate::room::joints::net::{Rows, Type};
+use crate::room::joints::rows::Start;
 use crate::room::joints::set::{Constants, Gear, JointSet};
 use crate::room::joints::solve::Solve;
+use crate::room::joints::state::Joint;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::solve::{absorb, settle, turns_freely};
 use crate::room::rigid::state::{BodyState, InvInertia, NONE};
@@ -25,9 +27,13 @@ pub(crate) struct JointScratch {
     /// Joints of those that are solved as nets, by type.
     pub nets: [Rows; 3],
     ids: Vec<u32>,
+    /// A bit for each slot of the table.
+    marks: Vec<u64>,
     /// Who was gathered, and which ends moved, when the sets were made.
     made_of: Vec<u64>,
     version: u64,
+    /// What the blocks of nets were described by: edits of joints, and the substep.
+    described: (u64, f32),
     pub(super) broke: Vec<(u32, f32, f32)>,
     wakes: Vec<u32>,
 }
@@ -37,7 +43,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.joints);
     s.ids.clear();
     if !world.joints.is_empty() {
-        gather(world, &mut s.ids);
+        gather(world, &mut s.marks, &mut s.ids);
     }
     if s.ids.is_empty() {
         s.sets.clear();
@@ -63,45 +69,83 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
         s.bands.clear();
     }
     let shared: &World = world;
-    shared.tasks.for_each(&mut s.sets, 1, |_, set| begin(shared, set, !same));
+    let now = (shared.joints.edits, step.constants.h);
+    let again = !same || s.described != now;
+    s.described = now;
+    shared.tasks.for_each(&mut s.sets, 1, |_, set| {
+        if again {
+            if !same {
+                begin_bodies(shared, set);
+                set.arrange(&shared.joints);
+            }
+            set.known = nets::knows(shared, set, step.constants.h);
+        }
+    });
+    let changed = choose_nets(shared, &mut s, step, again);
+    shared.tasks.for_each(&mut s.sets, 1, |_, set| {
+        if !set.net {
+            begin(shared, set, |j| shared.start(j));
+        }
+    });
     alike::prepare(shared, &mut s.sets, &mut s.bands, &mut s.links, step);
-    choose_nets(shared, &mut s, step);
-    nets::prepare(shared, &mut s, step);
+    nets::prepare(shared, &mut s, step, changed);
     world.scratch.joints = s;
 }
 
-/// Which sets are solved as nets, and the joints of those, by type.
-fn choose_nets(world: &World, s: &mut JointScratch, step: &Step) {
-    s.nets.iter_mut().for_each(|r| r.ids.clear());
+/// Which sets are solved as nets, and the joints of those, by type; tells whether anything is another than before.
+fn choose_nets(world: &World, s: &mut JointScratch, step: &Step, again: bool) -> bool {
+    let mut changed = again;
     for set in &mut s.sets {
-        set.net = nets::fits(world, set, step.constants.h);
-        for joint in set.joints.iter().filter(|_| set.net) {
-            if let Some(kind) = Type::of(&world.joints.table[joint.id].desc, step.constants.h) {
-                s.nets[kind as usize].ids.push(joint.id);
-            }
+        let net = set.known && nets::is_unlocked(world, set);
+        changed |= net != set.net;
+        set.net = net;
+    }
+    if !changed {
+        return false;
+    }
+    s.nets.iter_mut().for_each(|r| r.ids.clear());
+    for joint in s.sets.iter().filter(|s| s.net).flat_map(|s| &s.joints) {
+        if let Some(kind) = Type::of(&world.joints.table[joint.id].desc, step.constants.h) {
+            s.nets[kind as usize].ids.push(joint.id);
         }
     }
+    true
 }
 
 /// Joints with an awake body, in slot order; and those of bodies that only go as they are led, where gears are on them.
-fn gather(world: &World, ids: &mut Vec<u32>) {
-    for b in &world.awake.step {
-        ids.extend_from_slice(&world.bodies[b.body].joints);
+fn gather(world: &World, marks: &mut Vec<u64>, ids: &mut Vec<u32>) {
+    let table = &world.joints.table;
+    let acts = |j: &Joint| j.acts() && [j.body_a, j.body_b].iter().all(|&b| world.bodies[b].enabled);
+    marks.clear();
+    marks.resize(table.slots() as usize / 64 + 1, 0);
+    for &id in world.awake.step.iter().flat_map(|b| &world.bodies[b.body].joints) {
+        marks[id as usize / 64] |= 1 << (id % 64);
     }
-    for i in 0..ids.len() {
-        if let JointKind::Gear { a, b, .. } = world.joints.table[ids[i]].desc.kind {
-            ids.extend([a.index, b.index].into_iter().filter(|&id| is_led(world, id)));
+    let mut led = Vec::new();
+    for (i, mark) in marks.iter().enumerate() {
+        let mut left = *mark;
+        while left != 0 {
+            let id = i as u32 * 64 + left.trailing_zeros();
+            left &= left - 1;
+            let j = &table[id];
+            if !acts(j) {
+                continue;
+            }
+            if let JointKind::Gear { a, b, .. } = j.desc.kind {
+                led.extend(
+                    [a.index, b.index].into_iter().filter(|&id| is_led(world, id) && acts(&table[id])),
+                );
+                ids.push(id);
+            } else if [j.body_a, j.body_b].iter().any(|&b| dynamic_row(world, b) != NONE) {
+                ids.push(id);
+            }
         }
     }
-    ids.sort_unstable();
-    ids.dedup();
-    ids.retain(|&id| {
-        let j = &world.joints.table[id];
-        let ends = [j.body_a, j.body_b];
-        j.acts()
-            && ends.iter().all(|&b| world.bodies[b].enabled)
-            && (j.is_gear() || is_led(world, id) || ends.iter().any(|&b| dynamic_row(world, b) != NONE))
-    });
+    if !led.is_empty() {
+        ids.extend(led);
+        ids.sort_unstable();
+        ids.dedup();
+    }
 }
 
 /// Is neither of a joint's bodies dynamic? It goes as they go, and so do the gears on it.
@@ -188,8 +232,8 @@ fn make_sets(world: &World, ids: &[u32], sets: &mut Vec<JointSet>) {
     }
 }
 
-/// The start of a step for one set.
-fn begin(world: &World, set: &mut JointSet, new: bool) {
+/// The bodies of a set as a step starts.
+fn begin_bodies(world: &World, set: &mut JointSet) {
     let first = set.bodies.first().map_or(DVec3::ZERO, |b| world.frames[b.slot as usize].center);
     for b in &mut set.bodies {
         b.row = world.frames[b.slot as usize].row;
@@ -207,11 +251,16 @@ fn begin(world: &World, set: &mut JointSet, new: bool) {
         b.free = dynamic && turns_freely(step);
         (b.inv_mass, b.tensor) = (b.start_inv_mass, b.start_tensor);
     }
+}
+
+/// The start of a step for one set; `start` tells where a joint's frames stood then.
+fn begin(world: &World, set: &mut JointSet, start: impl Fn(&Joint) -> Start) {
+    begin_bodies(world, set);
     let JointSet { joints, gears, .. } = set;
     for s in joints.iter_mut() {
         let j = &world.joints.table[s.id];
         s.begin(j);
-        s.start = world.start(j);
+        s.start = start(j);
         if let JointKind::Pulley { wheel_a, wheel_b, .. } = j.desc.kind {
             let center = |slot: u32| world.frames[slot as usize].center;
             s.wheels = [(center(j.body_a) - wheel_a).as_vec3(), (center(j.body_b) - wheel_b).as_vec3()];
@@ -220,9 +269,6 @@ fn begin(world: &World, set: &mut JointSet, new: bool) {
     for g in gears.iter_mut() {
         let j = &world.joints.table[g.id];
         (g.rest, g.impulse) = (j.coordinate, j.hard[0]);
-    }
-    if new {
-        set.arrange(&world.joints);
     }
 }
 
@@ -378,6 +424,9 @@ pub(crate) fn follow(world: &mut World, stopped: &[(u32, f32)]) {
         set.placed = set.bodies.iter().any(|b| stopped.iter().any(|s| s.0 == b.slot));
         if !set.placed {
             return;
+        }
+        if set.net {
+            begin(shared, set, |j| shared.start_before(j));
         }
         for b in &mut set.bodies {
             let f = &shared.frames[b.slot as usize];

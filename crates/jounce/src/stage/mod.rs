@@ -62,6 +62,8 @@ pub(crate) struct Scratch {
     pub resting: Vec<(u32, u32, u32)>,
     /// Emptied lists of islands that woke.
     pub lists: Vec<Vec<u32>>,
+    /// Emptied lists of contacts that ended.
+    pub manifolds: Vec<Vec<crate::room::contacts::state::ContactManifold>>,
     pub patches: Vec<seams::Patch>,
     pub impacts: Impacts,
     /// Fast bodies and the time of their first hit.
@@ -93,7 +95,7 @@ impl Sets {
     /// Makes sure that there are so many.
     pub fn at_least(&mut self, n: usize) {
         while self.0.len() < n {
-            self.0.push(Mutex::default());
+            self.0.push(Mutex::new(ManifoldSet::new()));
         }
     }
 }

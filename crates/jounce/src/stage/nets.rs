@@ -7,7 +7,7 @@ use crate::room::joints::desc::JointKind;
 use crate::room::joints::hinge;
 use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
 use crate::room::joints::net::{Block, Type};
-use crate::room::joints::rows::Ends;
+use crate::room::joints::rows::{Ends, Start};
 use crate::room::joints::set::{self, JointSet, TORN};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::{BodyState, InvInertia, NONE};
@@ -15,18 +15,20 @@ use crate::world::World;
 use jounce_lanes::Width;
 use jounce_tasks::ColorSets;
 
-/// Is the set solved here? Row by row, and of kinds that the kernels know.
-pub(super) fn fits(world: &World, set: &JointSet, h: f32) -> bool {
+/// Is the set solved row by row, and all its joints of kinds that the kernels know?
+pub(super) fn knows(world: &World, set: &JointSet, h: f32) -> bool {
     let known = |id: u32| Type::of(&world.joints.table[id].desc, h).is_some();
-    let unlocked = |row: u32| world.awake.step.get(row as usize).is_none_or(|b| b.locks == 0);
-    set.plan.is_none()
-        && set.gears.is_empty()
-        && set.joints.iter().all(|s| known(s.id))
-        && set.bodies.iter().all(|b| unlocked(b.row))
+    set.plan.is_none() && set.gears.is_empty() && set.joints.iter().all(|s| known(s.id))
 }
 
-/// Once per step: colours where anything changed, and blocks.
-pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step) {
+/// Do all its bodies move along and turn about every axis?
+pub(super) fn is_unlocked(world: &World, set: &JointSet) -> bool {
+    let row = |slot: u32| world.frames[slot as usize].row as usize;
+    set.bodies.iter().all(|b| world.awake.step.get(row(b.slot)).is_none_or(|b| b.locks == 0))
+}
+
+/// Once per step: colours where anything changed, and blocks; what does not change within a joint only if `changed`.
+pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed: bool) {
     let item = |body: u32| match world.frames[body as usize].row {
         NONE => ColorSets::NONE,
         row if world.awake.step[row as usize].kind == BodyKind::Dynamic => row,
@@ -37,7 +39,9 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step) {
             let j = &world.joints.table[id];
             [item(j.body_a), item(j.body_b)]
         });
-        if rows.colors.items() != world.awake.state.len() || !rows.items.iter().copied().eq(items.clone()) {
+        let moved =
+            rows.colors.items() != world.awake.state.len() || !rows.items.iter().copied().eq(items.clone());
+        if moved {
             let items: Vec<[u32; 2]> = items.collect();
             rows.items = items;
             rows.colors.reset(world.awake.state.len());
@@ -55,9 +59,15 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step) {
         for (color, blocks) in rows.blocks.iter_mut().enumerate() {
             let list = colors.rows(color);
             world.tasks.for_each(blocks, 4, |i, block| {
-                (block.any_ends, block.any_pull, block.any_drive) = (false, false, false);
-                for (l, row) in list[i * LANES..].iter().take(LANES).enumerate() {
-                    let j = &world.joints.table[ids[row.payload() as usize]];
+                let joints = list[i * LANES..].iter().take(LANES).map(|row| ids[row.payload() as usize]);
+                if changed || moved {
+                    (block.any_ends, block.any_pull, block.any_drive) = (false, false, false);
+                    for (l, id) in joints.clone().enumerate() {
+                        block.describe(l, kind, &world.joints.table[id].desc, step.constants.h);
+                    }
+                }
+                for (l, id) in joints.enumerate() {
+                    let j = &world.joints.table[id];
                     let side = |slot: u32| {
                         let row = world.frames[slot as usize].row as usize;
                         match world.awake.inertia.get(row) {
@@ -65,8 +75,7 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step) {
                             _ => (0.0, InvInertia::default()),
                         }
                     };
-                    let sides = [side(j.body_a), side(j.body_b)];
-                    block.fill(l, kind, j, &world.start(j), sides, step.constants.h);
+                    block.begin(l, kind, j, &world.start(j), [side(j.body_a), side(j.body_b)]);
                 }
             });
         }
@@ -138,17 +147,19 @@ pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
         for (color, blocks) in rows.blocks.iter().enumerate() {
             for (i, row) in rows.colors.rows(color).iter().enumerate() {
                 let id = rows.ids[row.payload() as usize];
-                let start = world.start(&world.joints.table[id]);
                 let j = &mut world.joints.table[id];
                 let state = |slot: u32| {
                     let row = world.frames[slot as usize].row as usize;
                     world.awake.state.get(row).unwrap_or(&BodyState::FIXED).get()
                 };
-                let e = Ends::now(&start, &state(j.body_a), &state(j.body_b));
-                if blocks[i / LANES].store(i, kind, j, step.dt, e.qa) {
+                let (a, b) = (state(j.body_a), state(j.body_b));
+                let (fa, fb) = (&world.frames[j.body_a as usize], &world.frames[j.body_b as usize]);
+                let qa = a.dq * (fa.rotation * j.frame_a.q);
+                if blocks[i / LANES].store(i, kind, j, step.dt, qa) {
                     s.broke.push((id, j.force.length(), j.torque.length()));
                 }
                 if let JointKind::Hinge(_) = j.desc.kind {
+                    let e = Ends::now(&Start::new(j, fa, fb), &a, &b);
                     j.coordinate = hinge::angle(&e, j.coordinate).c;
                 }
             }

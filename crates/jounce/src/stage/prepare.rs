@@ -44,7 +44,8 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let numbers = [gravity, world.settings.slop(), omega, step.dt];
     let bodies = &world.bodies;
     let jointed = |body: u32| !bodies[body].joints.is_empty();
-    load::raise(&world.contacts, &world.frames, &mut world.awake, jointed, &mut loads, numbers);
+    let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
+    load::raise(&world.contacts, &world.frames, &mut world.awake, jointed, hangs, &mut loads, numbers);
     world.scratch.loads = loads;
 }
 

@@ -11,8 +11,9 @@
 //! * m′ = W/(½ slop · ω²), at most 10⁴ m; I′ = I m′/m. Forces stay as they are: gravity pulls with m g, so the weights that
 //!   contacts report are the true ones.
 //!
-//! A group of squeezed bodies that touches nothing else (two compounds in one place, in the air) carries nothing. Its bodies are raised by
-//! one factor, so that what they give one another stays equal and opposite, and gravity pulls at all of it: it falls.
+//! Bodies that touch one another and nothing that holds them (compounds in one place, in the air) carry nothing. If one of them is
+//! squeezed all are raised by one factor, so that what they give one another stays equal and opposite, and gravity pulls at all of them:
+//! they fall.
 //!
 //! What is given up: a squeezed body reacts to a *net* impulse as if it had the mass m′. Bodies on joints are never treated: joints
 //! are solved rigidly, and a bone that weighs tons for a step throws those it hangs on.
@@ -39,8 +40,7 @@ const FALL: f32 = 0.5;
 pub(crate) struct Loads {
     /// By row: Σ|λ|, Σ λ n, fastest approach.
     sums: Vec<(f32, Vec3, f32)>,
-    treated: Vec<bool>,
-    /// By row: the parent in its group; by root: whether the group touches others, and the most that one of it is raised by.
+    /// By row: the parent in its group; by root: whether the group is held, and the most that one of it is raised by.
     parent: Vec<u32>,
     groups: Vec<(bool, f32)>,
 }
@@ -58,16 +58,17 @@ fn each(contacts: &[Contact], frames: &[BodyFrame], mut f: impl FnMut([u32; 2], 
     }
 }
 
-/// Lowers inverse masses of squeezed bodies for this step.
+/// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held.
 pub(crate) fn raise(
     contacts: &[Contact],
     frames: &[BodyFrame],
     awake: &mut Awake,
     jointed: impl Fn(u32) -> bool,
+    hangs: impl Fn(u32) -> bool,
     loads: &mut Loads,
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
-    let Loads { sums, treated, parent, groups } = loads;
+    let Loads { sums, parent, groups } = loads;
     sums.clear();
     sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
     each(contacts, frames, |rows, total, push, hit| {
@@ -79,7 +80,7 @@ pub(crate) fn raise(
             }
         }
     });
-    treated.clear();
+    let mut treated = false;
     for (sum, step) in sums.iter().zip(&mut awake.step) {
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);
         let ratio = load * step.inv_mass / gravity;
@@ -89,36 +90,36 @@ pub(crate) fn raise(
             let full = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
             step.raised = f32s::max(step.raised, 1.0 + part * (full - 1.0));
         }
-        treated.push(step.raised > 1.0);
+        treated |= step.raised > 1.0;
     }
     groups.clear();
-    if treated.contains(&true) {
-        let is = |row: u32| treated.get(row as usize).is_some_and(|s| *s);
+    if treated {
+        let moves = |row: u32| awake.inertia.get(row as usize).is_some_and(|t| t.inv_mass > 0.0);
         parent.clear();
         parent.extend(0..sums.len() as u32);
-        each(contacts, frames, |[a, b], _, _, _| {
-            if is(a) && is(b) {
-                unite(parent, a, b);
-            }
-        });
+        // Those too that push for the first time in this step.
+        let pairs = contacts.iter().filter(|c| c.touching || c.now_touching);
+        let pairs = pairs.map(|c| [c.body_a, c.body_b].map(|b| frames[b as usize].row));
+        for [a, b] in pairs.clone().filter(|p| p.iter().all(|&row| moves(row))) {
+            unite(parent, a, b);
+        }
         groups.resize(sums.len(), (false, 1.0));
-        each(contacts, frames, |[a, b], _, _, _| {
-            if is(a) != is(b) {
-                groups[root(parent, if is(a) { a } else { b }) as usize].0 = true;
-            }
-        });
-        for (row, step) in awake.step.iter().enumerate().filter(|(row, _)| treated[*row]) {
+        for [a, b] in pairs.filter(|&[a, b]| moves(a) != moves(b)) {
+            groups[root(parent, if moves(a) { a } else { b }) as usize].0 = true;
+        }
+        for (row, step) in awake.step.iter().enumerate() {
             let group = &mut groups[root(parent, row as u32) as usize];
+            group.0 |= hangs(step.body);
             group.1 = f32s::max(group.1, step.raised);
         }
     }
     for (row, (step, inertia)) in awake.step.iter_mut().zip(&mut awake.inertia).enumerate() {
-        let flies = treated[row] && {
-            let (touches, most) = groups[root(parent, row as u32) as usize];
-            if !touches {
+        let flies = treated && {
+            let (held, most) = groups[root(parent, row as u32) as usize];
+            if !held {
                 step.raised = most;
             }
-            !touches
+            !held
         };
         if step.raised == 1.0 || inertia.inv_mass == 0.0 {
             continue;

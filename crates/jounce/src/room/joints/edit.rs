@@ -11,7 +11,7 @@ use crate::handle::JointId;
 use crate::limits;
 use crate::room::contacts::state::Contact;
 use crate::room::rigid::desc::BodyKind;
-use crate::room::rigid::state::NONE;
+use crate::room::rigid::state::{BodyFrame, NONE};
 use crate::world::World;
 use jounce_math::{Pose, Quat, Vec3, WorldPose};
 use std::sync::Arc;
@@ -139,14 +139,15 @@ impl World {
     }
     /// The same in the form that a step starts from.
     pub(crate) fn start(&self, j: &Joint) -> Start {
-        let (a, b) = (&self.frames[j.body_a as usize], &self.frames[j.body_b as usize]);
-        Start {
-            ra: a.rotation.rotate(j.frame_a.p - a.local_center),
-            rb: b.rotation.rotate(j.frame_b.p - b.local_center),
-            qa: a.rotation * j.frame_a.q,
-            qb: b.rotation * j.frame_b.q,
-            offset: (b.center - a.center).as_vec3(),
-        }
+        Start::new(j, &self.frames[j.body_a as usize], &self.frames[j.body_b as usize])
+    }
+    /// As the step began; for what asks at its end.
+    pub(crate) fn start_before(&self, j: &Joint) -> Start {
+        let before = |slot: u32| {
+            let f = &self.frames[slot as usize];
+            BodyFrame { center: f.center0, rotation: f.rotation0, ..*f }
+        };
+        Start::new(j, &before(j.body_a), &before(j.body_b))
     }
     /// Angle of a hinge (turns counted), or length along a slider or path, as the bodies stand.
     pub(crate) fn coordinate(&self, j: &Joint) -> f32 {
@@ -238,6 +239,7 @@ impl World {
             self.first_coordinate(&mut joint);
             self.joints.table[slot].coordinate = joint.coordinate;
         }
+        self.joints.edits += 1;
         if !same_rows {
             self.joints.version += 1;
         }

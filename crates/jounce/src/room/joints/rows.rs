@@ -10,8 +10,9 @@
 //! * cone: C = angle of x_a and x_b, j = x_a × x_b / |x_a × x_b|.
 
 use super::ball::TORN;
+use super::state::Joint;
 use crate::room::rigid::solve::turn;
-use crate::room::rigid::state::Motion;
+use crate::room::rigid::state::{BodyFrame, Motion};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
 /// One row: directions for both bodies, and how far it is from where it should be (m or rad).
@@ -45,6 +46,18 @@ pub(crate) struct Start {
     pub qb: Quat,
     /// From A's centre of mass to B's.
     pub offset: Vec3,
+}
+
+impl Start {
+    pub fn new(j: &Joint, a: &BodyFrame, b: &BodyFrame) -> Self {
+        Self {
+            ra: a.rotation.rotate(j.frame_a.p - a.local_center),
+            rb: b.rotation.rotate(j.frame_b.p - b.local_center),
+            qa: a.rotation * j.frame_a.q,
+            qb: b.rotation * j.frame_b.q,
+            offset: (b.center - a.center).as_vec3(),
+        }
+    }
 }
 
 /// The two frames at some time.

@@ -83,8 +83,10 @@ pub(crate) struct JointSet {
     pub(super) kept: Kept,
     /// Its joints where it is solved in a band of sets alike, else none.
     pub links: Vec<Link>,
-    /// It is solved as a net, in lanes.
+    /// It is solved as a net, in lanes: none of its joints and bodies is copied then.
     pub net: bool,
+    /// The kernels of nets know all its joints.
+    pub known: bool,
 }
 
 impl JointSet {

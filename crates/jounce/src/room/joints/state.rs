@@ -55,6 +55,8 @@ pub(crate) struct Joints {
     pub table: Table<Joint>,
     /// Grows with every change of who is joined to whom and how; not state.
     pub version: u64,
+    /// Grows with every other change of what a joint is; not state.
+    pub edits: u64,
 }
 
 impl Joints {

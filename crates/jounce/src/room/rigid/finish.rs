@@ -54,8 +54,11 @@ pub(crate) fn finish(
         let far = |d: [Vec3; 2]| f32s::max(d[0].length(), d[1].length() * mass.outer_radius);
         // A pendulum at its turning point is slow for as long as the timer takes; but it is about to go another way than it came.
         let part = f32s::min(dt / SWING_TIME, 1.0);
-        b.swing[0] += (b.drift[0] - b.swing[0]) * part;
-        b.swing[1] += (b.drift[1] - b.swing[1]) * part;
+        // What was fast counts as just too fast, or it would be remembered for seconds after a sudden stop.
+        let most = SWINGS * b.sleep_speed;
+        let clipped = |d: Vec3, most: f32| d * f32s::min(most / f32s::max(d.length(), 1e-20), 1.0);
+        b.swing[0] += (clipped(b.drift[0], most) - b.swing[0]) * part;
+        b.swing[1] += (clipped(b.drift[1], most / f32s::max(mass.outer_radius, 1e-20)) - b.swing[1]) * part;
         let turns = TURNS * far([b.drift[0] - b.swing[0], b.drift[1] - b.swing[1]]);
         speed = f32s::max(LEADS_NOWHERE * speed, f32s::max(far(b.drift), turns));
     }
@@ -68,6 +71,8 @@ pub(super) const DRIFT_TIME: f32 = 0.1;
 const SWING_TIME: f32 = 0.5;
 /// How much what a body on joints is faster or slower than then counts as motion.
 const TURNS: f32 = 2.0;
+/// The fastest that is remembered, as a multiple of the speed below which bodies sleep.
+const SWINGS: f32 = 3.0;
 /// Part of the velocity of a body on joints that counts as motion, whatever way it made.
 const LEADS_NOWHERE: f32 = 0.1;
 

@@ -81,6 +81,7 @@ pub(crate) struct Block {
     pub last: [Lane; 2],
     pub bound: [Lane; 2],
     pub broke: Lane,
+    pub places: [Places; LANES],
     pub any_ends: bool,
     pub any_pull: bool,
     pub any_drive: bool,
@@ -114,11 +115,22 @@ impl Default for Block {
             last: [Z; 2],
             bound: [[f32::INFINITY; LANES]; 2],
             broke: Z,
+            places: [Places::default(); LANES],
             any_ends: false,
             any_pull: false,
             any_drive: false,
         }
     }
+}
+
+/// Where impulses are in the list of a joint's record (255: nowhere), on how many axes its motor or friction acts, and how long the list is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Places {
+    pub cone: u8,
+    pub twist: u8,
+    pub drive: u8,
+    pub axes: u8,
+    pub count: u8,
 }
 
 /// Stands for the cosine of a cone that is not there.
