@@ -1,6 +1,5 @@
 //! What two touching shapes tell the solver.
 
-use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::pairs::{MeshScratch, Scratch};
 use jounce_math::Vec3;
 
@@ -80,10 +79,9 @@ pub struct ManifoldSet {
 }
 
 impl ManifoldSet {
-    /// An empty set, with room for what a shape on a mesh makes: one that serves many pairs does not go on growing.
+    /// An empty set.
     pub fn new() -> Self {
-        let manifolds = Vec::with_capacity(MANIFOLDS_PER_PAIR_MAX);
-        Self { manifolds, scratch: Scratch::default(), mesh: MeshScratch::with_room() }
+        Self::default()
     }
     /// Forgets the manifolds, keeps the memory.
     pub fn clear(&mut self) {

@@ -47,18 +47,7 @@ pub(crate) struct MeshScratch {
     pub children: Vec<u32>,
 }
 
-impl MeshScratch {
-    pub fn with_room() -> Self {
-        Self {
-            triangles: Vec::with_capacity(ROOM),
-            candidates: Vec::with_capacity(ROOM),
-            group: Vec::with_capacity(ROOM),
-            children: Vec::new(),
-        }
-    }
-}
-
-/// Triangles near a shape, and points on them, that there is room for from the start.
+/// Points that there is room for from the first mesh on, and manifolds: lists that serve many pairs do not go on growing.
 const ROOM: usize = 32;
 
 /// Surface A against convex B with bounds `bounds` in A's frame (margin included).
@@ -234,6 +223,10 @@ fn snap_to_faces(
 fn merge(mesh: &mut MeshScratch, cache: &mut PairCache, out: &mut Vec<Manifold>) {
     let MeshScratch { candidates, group, .. } = mesh;
     let first = out.len();
+    if group.capacity() == 0 {
+        group.reserve(ROOM);
+        out.reserve(ROOM);
+    }
     for lead_faces in [true, false] {
         for i in 0..candidates.len() {
             let lead = candidates[i];

@@ -95,7 +95,7 @@ impl Sets {
     /// Makes sure that there are so many.
     pub fn at_least(&mut self, n: usize) {
         while self.0.len() < n {
-            self.0.push(Mutex::new(ManifoldSet::new()));
+            self.0.push(Mutex::default());
         }
     }
 }
