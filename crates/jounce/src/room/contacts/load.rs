@@ -45,19 +45,6 @@ pub(crate) struct Loads {
     groups: Vec<(bool, f32)>,
 }
 
-/// Calls `f` with the rows of every contact that pushes, its impulse, and what A and B get.
-fn each(contacts: &[Contact], frames: &[BodyFrame], mut f: impl FnMut([u32; 2], f32, Vec3, f32)) {
-    for c in contacts.iter().filter(|c| c.touching) {
-        let rows = [frames[c.body_a as usize].row, frames[c.body_b as usize].row];
-        for m in c.manifolds() {
-            let total: f32 = m.points[..usize::from(m.count).min(4)].iter().map(|p| p.total_impulse).sum();
-            if total != 0.0 {
-                f(rows, total, m.normal * total, c.hit_speed);
-            }
-        }
-    }
-}
-
 /// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held.
 pub(crate) fn raise(
     contacts: &[Contact],
@@ -71,15 +58,22 @@ pub(crate) fn raise(
     let Loads { sums, parent, groups } = loads;
     sums.clear();
     sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
-    each(contacts, frames, |rows, total, push, hit| {
-        for (row, push) in [(rows[0], -push), (rows[1], push)] {
-            if let Some(s) = sums.get_mut(row as usize) {
-                s.0 += total;
-                s.1 += push;
-                s.2 = f32s::max(s.2, hit);
+    for c in contacts.iter().filter(|c| c.touching) {
+        let rows = [frames[c.body_a as usize].row, frames[c.body_b as usize].row];
+        for m in c.manifolds() {
+            let total: f32 = m.points[..usize::from(m.count).min(4)].iter().map(|p| p.total_impulse).sum();
+            if total == 0.0 {
+                continue;
+            }
+            for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
+                if let Some(s) = sums.get_mut(row as usize) {
+                    s.0 += total;
+                    s.1 += m.normal * (sign * total);
+                    s.2 = f32s::max(s.2, c.hit_speed);
+                }
             }
         }
-    });
+    }
     let mut treated = false;
     for (sum, step) in sums.iter().zip(&mut awake.step) {
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);

@@ -381,8 +381,8 @@ pub enum JointSolver {
 /// Describes a joint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointDesc {
-    /// First body. (Gears find theirs by their joints.) A joint of two bodies that are not dynamic does nothing, until one of them is made
-    /// so.
+    /// First body. (Gears find theirs by their joints.) A joint of two bodies that are not dynamic does nothing but lead the gears
+    /// on it, until one of them is made dynamic.
     pub body_a: BodyId,
     /// Second body.
     pub body_b: BodyId,
