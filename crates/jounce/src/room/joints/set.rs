@@ -246,6 +246,14 @@ impl JointSet {
         }
     }
 
+    fn aim(&mut self, joints: &Joints, k: &Constants) {
+        if self.plan.is_some() {
+            for s in &mut self.joints {
+                self.fresh &= !s.aim(&joints.table[s.id], &self.bodies, k);
+            }
+        }
+    }
+
     /// Before the positions move.
     pub fn solve(&mut self, joints: &Joints, k: &Constants, first: bool) {
         if first {
@@ -260,12 +268,14 @@ impl JointSet {
             s.warm(&mut self.bodies, k, direct);
         }
         self.damp();
+        self.aim(joints, k);
         self.gears(k, Sweep::Solve, true);
         self.pass(joints, k, Sweep::Solve, true);
     }
 
     /// Before the positions move, after contacts.
     pub fn answer(&mut self, joints: &Joints, k: &Constants) {
+        self.aim(joints, k);
         self.pass(joints, k, Sweep::Solve, false);
     }
 

@@ -1,6 +1,6 @@
 //! One joint of a set: its rows, and what it does with them alone.
 
-use super::desc::{AxisDesc, JointKind, MotorTarget, SpringDesc};
+use super::desc::{AxisDesc, BallDesc, JointKind, MotorTarget, SpringDesc};
 use super::direct::{ROWS, invert};
 use super::extra::{Extra, Extras, Sweep, gains, push};
 use super::local::Local;
@@ -207,6 +207,33 @@ impl Solve {
             x.bend = limited(bend, k.correct * k.h);
         }
         self.scratch = list;
+    }
+
+    /// Turns the row of a narrow cone to where the present velocities lead, Σ of its swing and h (ω_b − ω_a) across its axis: what passes
+    /// from one side of the cone to the other within a substep meets the rim there, not where it comes from. True where it did.
+    pub(super) fn aim(&mut self, j: &Joint, bodies: &[Local], k: &Constants) -> bool {
+        let JointKind::Ball(BallDesc { cone: Some(cone), cone_spring: None, .. }) = &j.desc.kind else {
+            return false;
+        };
+        let Some(x) = self.extra.first_mut().filter(|_| *cone < NARROW) else { return false };
+        let (a, b) = (&bodies[self.a], &bodies[self.b]);
+        let e = Ends::now(&self.start, &a.m, &b.m);
+        let (now, axis) = (e.cone(), e.axis_a(0));
+        let swing = now.jb * now.c;
+        let turn = (b.m.w - a.m.w) * k.h;
+        let ahead = swing + turn - axis * axis.dot(turn);
+        let size = ahead.length();
+        if size < TOUCH {
+            return false;
+        }
+        let n = ahead / size;
+        x.impulse *= f32s::max(n.dot(x.row.jb), 0.0);
+        x.row = Row { ja: -n, jb: n, c: n.dot(swing), ..now };
+        x.ia = a.tensor.mul(x.row.ja);
+        x.ib = b.tensor.mul(x.row.jb);
+        let inv = inverse_mass(&x.row, x.ia, x.ib, a, b);
+        x.mass = if inv > UNMOVED * most_inverse_mass(&x.row, a, b) { 1.0 / inv } else { 0.0 };
+        true
     }
 
     /// Rows that hold, where the present velocities would take the bodies.
@@ -515,6 +542,8 @@ pub(super) fn limited(c: f32, most: f32) -> f32 {
 pub(super) const HARD: usize = 6;
 /// A row whose inverse mass is less than this part of what its bodies have in other directions moves nothing: locked axes, and rounding.
 const UNMOVED: f32 = 1e-8;
+/// Half-angle up to which a cone is narrow: a substep's turn may cross it, rad.
+const NARROW: f32 = 0.1;
 /// How far beyond an end counts, m or rad.
 pub(super) const TOUCH: f32 = 1e-6;
 
