@@ -9,17 +9,16 @@ use super::desc::LimitDesc;
 use super::extra::gains;
 use super::extra::{Duty, Sweep};
 use super::local::Local;
-use super::rows::Hard;
 use super::set::{Constants, JointSet};
-use super::solve::{HARD, TOUCH, give_extra, limited};
+use super::solve::{HARD, give_extra, limited};
 use super::state::Joints;
-use jounce_math::scalar::f64s;
+use jounce_math::{Vec3, scalar::f64s};
 
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 pub(super) const TAUT_SPEED: f32 = 0.1;
 /// Rounds of the active set.
-pub(super) const ROUNDS: usize = 16;
-/// Of these, those that let motors and friction act again, and those that let ends.
+const ROUNDS: usize = 64;
+/// Of these, those that let motors and friction act again, and those that change all ends that are wrong; then one at a time.
 const ROUNDS_OF_MOTORS: usize = 2;
 pub(super) const ROUNDS_OF_ENDS: usize = 8;
 /// The same of the others of its set.
@@ -82,22 +81,17 @@ impl JointSet {
     }
 
     /// Right sides for the present velocities: −C(t + h)/h to solve, −J u to relax.
-    fn residuals(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+    fn residuals(&mut self, k: &Constants, sweep: Sweep, first: bool) {
         let Some(plan) = &self.plan else { return };
         for (i, s) in self.joints.iter().enumerate() {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
-            let looks = sweep != Sweep::Relax && !self.straight;
-            let ahead = if looks && s.soft.is_none() && s.count > 0 {
-                s.ahead(&joints.table[s.id], a, b, k)
-            } else {
-                Hard::default()
-            };
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
                 let row = s.row(code);
                 let v = row.speed(a, b);
                 let c = usize::from(code);
                 let value = if c >= HARD {
-                    s.extra[c - HARD].wanted(v, k, sweep)
+                    let x = &s.extra[c - HARD];
+                    if self.fixed && x.is_hard_end() { v } else { x.wanted(v, k, sweep) }
                 } else if s.yields(c) {
                     v + s.give_way[c] * s.lambda[c]
                 } else if sweep == Sweep::Relax {
@@ -111,7 +105,7 @@ impl JointSet {
                 } else {
                     // Errors that a teleport left are taken back at a bounded speed.
                     let error = limited(row.c, k.correct * k.h);
-                    let bend = if self.straight { 0.0 } else { ahead.rows[c].c - row.c - v * k.h };
+                    let bend = s.bend[c];
                     if plan.has_loops() {
                         // Rows that say again what others say would fight about rounding for ever.
                         let most = if plan.closes_loop(i) { LOOP_SLACK } else { ROUNDING };
@@ -128,7 +122,7 @@ impl JointSet {
 
     /// Active set. Each round starts from the same velocities: rows that hold are solved for and handed out on trial; rows beyond
     /// what they can give stay at that, those that would have to act again do; until nothing changes. Errors ahead are not linear
-    /// in the velocities, so those that a rejected trial leads to are never looked at.
+    /// in the velocities: their bend is that of the velocities that the pass found, so that all rounds ask the same.
     ///
     /// Where the way of the substep bends much, that is judged only once the velocities fit the joints: what a blow has left of a limb's spin on
     /// a long lever would ask for ten times what it needs.
@@ -156,25 +150,47 @@ impl JointSet {
 
     fn rounds(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
         if sweep != Sweep::Relax {
-            self.joints.iter_mut().for_each(|s| s.bend(&joints.table[s.id], &self.bodies, k));
-            if self.straight {
-                self.joints.iter_mut().flat_map(|s| &mut s.extra).for_each(|x| x.bend = 0.0);
+            for s in &mut self.joints {
+                if self.straight {
+                    s.straighten();
+                } else {
+                    s.bend(&joints.table[s.id], &self.bodies, k);
+                }
             }
         }
         self.activate(joints, k, sweep);
         self.mark();
+        self.fixed = false;
         for round in 1..=ROUNDS {
-            self.joints.iter_mut().for_each(|s| s.pack(sweep));
-            self.residuals(joints, k, sweep, first);
-            self.factor(k.h);
-            let Some(plan) = &self.plan else { return };
-            plan.solve(&mut self.numbers);
-            self.hand_out(k);
-            if round == ROUNDS || !self.correct(joints, k, sweep, round) {
+            self.trial(k, sweep, first);
+            if !self.correct(k, sweep, round) {
                 return;
             }
             self.rewind();
         }
+        // No answer was found: for this pass ends only brake, and whatever was an end in some round is one.
+        self.fixed = true;
+        self.joints.iter_mut().flat_map(|s| &mut s.extra).filter(|x| x.is_hard_end()).for_each(|x| x.acts = x.tried);
+        for _ in 0..=ROUNDS_OF_MOTORS {
+            self.trial(k, sweep, first);
+            if !self.hold_back(k, |d| !matches!(d, Duty::Limit(_))) {
+                return;
+            }
+            self.rewind();
+        }
+        self.trial(k, sweep, first);
+    }
+
+    fn trial(&mut self, k: &Constants, sweep: Sweep, first: bool) {
+        for s in &mut self.joints {
+            s.pack(sweep);
+            s.extra.iter_mut().for_each(|x| x.tried |= x.acts);
+        }
+        self.residuals(k, sweep, first);
+        self.factor(k.h);
+        let Some(plan) = &self.plan else { return };
+        plan.solve(&mut self.numbers);
+        self.hand_out(k);
     }
 
     /// Remembers where the rounds start from.
@@ -182,7 +198,7 @@ impl JointSet {
         self.bodies.iter_mut().for_each(|b| b.before = [b.m.v, b.m.w]);
         for s in &mut self.joints {
             s.before = s.lambda;
-            s.extra.iter_mut().for_each(|x| x.before = x.impulse);
+            s.extra.iter_mut().for_each(|x| (x.before, x.tried) = (x.impulse, false));
         }
     }
 
@@ -208,11 +224,44 @@ impl JointSet {
     }
 
     /// Holds rows back at what they can give, or lets rows act again; true where that changes anything. Motors and friction go first:
-    /// while one that is too weak stands in, an end beside it seems to pull. The last rounds let no motor in, so that they end.
-    fn correct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, round: usize) -> bool {
-        self.hold_back(k, |d| !matches!(d, Duty::Limit(_)))
-            || self.hold_back(k, |d| matches!(d, Duty::Limit(_)))
-            || (round <= ROUNDS_OF_ENDS && self.let_in(joints, k, sweep, round <= ROUNDS_OF_MOTORS))
+    /// while one that is too weak stands in, an end beside it seems to pull. The later rounds let no motor in, and change one end each.
+    fn correct(&mut self, k: &Constants, sweep: Sweep, round: usize) -> bool {
+        if self.hold_back(k, |d| !matches!(d, Duty::Limit(_))) {
+            return true;
+        }
+        if round > ROUNDS_OF_ENDS {
+            return self.pivot(k, sweep);
+        }
+        self.hold_back(k, |d| matches!(d, Duty::Limit(_))) || self.let_in(k, sweep, round <= ROUNDS_OF_MOTORS)
+    }
+
+    /// The last end that is wrong, in or out: many at once may go round in circles, one by this rule does not (Murty, Note on a
+    /// Bard-type scheme for solving the complementarity problem, 1974).
+    fn pivot(&mut self, k: &Constants, sweep: Sweep) -> bool {
+        for s in self.joints.iter_mut().rev() {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            let taken = s.taken();
+            for x in s.extra[..taken].iter_mut().rev().filter(|x| x.is_hard_end() && x.mass > 0.0) {
+                let allowed = x.allowed(x.impulse, k.h);
+                let pulls = x.acts && allowed != x.impulse;
+                if pulls {
+                    x.impulse = allowed;
+                }
+                if pulls || (!x.acts && x.must_act(x.row.speed(a, b), k, sweep)) {
+                    x.acts = !x.acts;
+                    return true;
+                }
+            }
+            if s.has_to_let_go() {
+                (s.lambda[0], s.active) = (0.0, false);
+                return true;
+            }
+            if s.has_to_hold(a, b, k, sweep) {
+                s.active = true;
+                return true;
+            }
+        }
+        false
     }
 
     fn hold_back(&mut self, k: &Constants, which: impl Fn(&Duty) -> bool) -> bool {
@@ -225,14 +274,14 @@ impl JointSet {
                 }
             }
             // Ropes pull and struts push, like ends.
-            if which(&ENDS) && s.active && s.sign * s.lambda[0] < 0.0 {
+            if which(&ENDS) && s.has_to_let_go() {
                 (s.lambda[0], s.active, changed) = (0.0, false, true);
             }
         }
         changed
     }
 
-    fn let_in(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, motors: bool) -> bool {
+    fn let_in(&mut self, k: &Constants, sweep: Sweep, motors: bool) -> bool {
         let mut changed = false;
         for s in &mut self.joints {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
@@ -244,9 +293,8 @@ impl JointSet {
                 x.acts = x.must_act(x.row.speed(a, b), k, sweep);
                 changed |= x.acts;
             }
-            if s.sign != 0.0 && !s.active && s.soft.is_none() && sweep != Sweep::Relax {
-                s.active = s.sign * s.ahead(&joints.table[s.id], a, b, k).rows[0].c < -TOUCH;
-                changed |= s.active;
+            if s.has_to_hold(a, b, k, sweep) {
+                (s.active, changed) = (true, true);
             }
         }
         changed
@@ -265,7 +313,7 @@ impl JointSet {
             }
         }
         self.bodies.iter_mut().for_each(Local::give);
-        let part = self.bodies.iter().map(|b| bearable(&b.dv, k)).fold(1.0, f64s::min);
+        let part = self.bodies.iter().map(|b| bearable(b, k)).fold(1.0, f64s::min);
         for (i, s) in self.joints.iter_mut().enumerate() {
             for r in 0..s.count {
                 let lambda = part * plan.get(&self.numbers, i, r);
@@ -288,10 +336,18 @@ impl JointSet {
     }
 }
 
-/// The part of a change of velocity and spin that a pass may make.
-fn bearable(dv: &[f64; 6], k: &Constants) -> f64 {
-    let size = |i: usize| (dv[i] * dv[i] + dv[i + 1] * dv[i + 1] + dv[i + 2] * dv[i + 2]).sqrt();
-    let over = f64s::max(size(0) / f64::from(k.speed_max), size(3) / f64::from(k.spin_max));
+/// The part of a change of velocity and spin that takes a body no further from where the pass began than it may. (What rounds have taken
+/// back may be more than that.)
+fn bearable(b: &Local, k: &Constants) -> f64 {
+    let change = |now: Vec3, before: Vec3, d: &[f64]| {
+        let [x, y, z] = [0, 1, 2].map(|i| f64::from(now[i]) - f64::from(before[i]) + d[i]);
+        (x * x + y * y + z * z).sqrt()
+    };
+    let [v, w] = b.before;
+    let over = f64s::max(
+        change(b.m.v, v, &b.dv[..3]) / f64::from(k.speed_max),
+        change(b.m.w, w, &b.dv[3..]) / f64::from(k.spin_max),
+    );
     if !over.is_finite() {
         0.0
     } else if over > 1.0 {

@@ -59,6 +59,8 @@ pub(crate) struct Extra {
     pub bend: f32,
     /// Holds in the direct solve.
     pub acts: bool,
+    /// Did so in some round of the pass.
+    pub tried: bool,
 }
 
 /// Collects the rows of a joint. Which there are depends on its description alone, so that their impulses keep their places.
@@ -79,6 +81,7 @@ impl Extras<'_> {
             before: 0.0,
             bend: 0.0,
             acts: false,
+            tried: false,
         });
     }
     /// All that an axis has; `row.c` is its coordinate.

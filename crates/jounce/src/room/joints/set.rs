@@ -76,6 +76,8 @@ pub(crate) struct JointSet {
     fresh: bool,
     /// The pass takes the way of the substep for straight.
     pub(super) straight: bool,
+    /// The pass found no active set: ends hold both ways.
+    pub(super) fixed: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
     /// Pairs of joints that share a moving body, and which.

@@ -44,6 +44,8 @@ pub(crate) struct Solve {
     /// Impulses of this substep on the rows that hold.
     pub lambda: [f32; HARD],
     pub(super) before: [f32; HARD],
+    /// What the errors after the substep will be beyond c + h J u.
+    pub(super) bend: [f32; HARD],
     pub coordinate: f32,
     /// The coordinate is a length, not an angle.
     pub slides: bool,
@@ -83,6 +85,7 @@ impl Solve {
             count: 0,
             lambda: [0.0; HARD],
             before: [0.0; HARD],
+            bend: [0.0; HARD],
             coordinate: 0.0,
             slides: false,
             rod: false,
@@ -178,9 +181,43 @@ impl Solve {
         }
     }
 
-    /// How far the ends' coordinates will be from c + h J u, by the present velocities. Cones and twists bend: what moves along a cone's
-    /// rim leaves it by half the square of its angle. So those near enough are measured where the bodies would be.
+    /// Ways of the substep are straight.
+    pub(super) fn straighten(&mut self) {
+        self.bend = [0.0; HARD];
+        self.extra.iter_mut().for_each(|x| x.bend = 0.0);
+    }
+
+    /// How far errors and the ends' coordinates will be from c + h J u, by the present velocities.
     pub(super) fn bend(&mut self, j: &Joint, bodies: &[Local], k: &Constants) {
+        let (a, b) = (&bodies[self.a].m, &bodies[self.b].m);
+        if self.soft.is_none() && self.hard.n > 0 {
+            let ahead = self.ahead(j, a, b, k);
+            for (i, bend) in self.bend[..self.hard.n].iter_mut().enumerate() {
+                let row = &self.hard.rows[i];
+                *bend = ahead.rows[i].c - row.c - k.h * row.speed(a, b);
+            }
+        }
+        self.bend_of_ends(j, bodies, k);
+    }
+
+    /// A rope that pushes, a strut that pulls.
+    pub(super) fn has_to_let_go(&self) -> bool {
+        self.active && self.sign * self.lambda[0] < 0.0
+    }
+
+    /// A rope that is slack, but would be too long.
+    pub(super) fn has_to_hold(&self, a: &Motion, b: &Motion, k: &Constants, sweep: Sweep) -> bool {
+        let row = &self.hard.rows[0];
+        self.sign != 0.0
+            && !self.active
+            && self.soft.is_none()
+            && sweep != Sweep::Relax
+            && self.sign * (row.c + self.bend[0] + k.h * row.speed(a, b)) < -TOUCH
+    }
+
+    /// Cones and twists bend: what moves along a cone's rim leaves it by half the square of its angle. So those near enough are measured
+    /// where the bodies would be.
+    fn bend_of_ends(&mut self, j: &Joint, bodies: &[Local], k: &Constants) {
         if !matches!(j.desc.kind, JointKind::Ball(_) | JointKind::Generic { .. }) {
             return;
         }

@@ -734,7 +734,7 @@ fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, let
     L::select(done, zero, L::load(&band.live[at..])).store(&mut band.live[at..]);
 }
 
-/// The part of the impulses in `x` that changes no body by more than a pass may.
+/// The part of the impulses in `x` that takes no body further from where the pass began than it may. (What was taken back may be more.)
 #[inline(always)]
 fn bearable<L: Lanes>(
     pattern: &super::Pattern,
@@ -763,7 +763,10 @@ fn bearable<L: Lanes>(
                 }
             }
         }
-        let dv = dv.scale(L::load(&bodies[body].inv_mass[at..]));
+        let b = &bodies[body];
+        let taken = |new: &LaneVec, old: &LaneVec| Wide3::<L>::load(new, at).sub(Wide3::load(old, at));
+        let dv = dv.scale(L::load(&b.inv_mass[at..])).add(taken(&b.try_v, &b.v));
+        let dw = dw.add(taken(&b.try_w, &b.w));
         let (v2, w2) = (dv.dot(dv), dw.dot(dw));
         over = over.max(v2.sqrt() * speed).max(w2.sqrt() * spin);
         finite = finite + (v2 + w2) * L::zero();

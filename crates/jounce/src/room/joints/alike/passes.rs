@@ -4,7 +4,7 @@ use super::kernels::{Account, Aim, Damp, Gain, Move, Push, Refresh, Spin, Stiffe
 use super::matrix::Factor;
 use super::{Band, Z};
 use crate::room::contacts::rows::{LANES, Lane};
-use crate::room::joints::active::{BEND, ROUNDS, ROUNDS_OF_ENDS};
+use crate::room::joints::active::{BEND, ROUNDS_OF_ENDS};
 use crate::room::joints::place::{BEYOND, GAP, NEAR, OPEN, PLACINGS};
 use crate::room::joints::set::{CALMING, Constants, TORN};
 use crate::room::rigid::state::BodyState;
@@ -30,6 +30,8 @@ impl Pass {
     }
 }
 
+/// Rounds of the active set; the second half of them lets none in, and so ends.
+const ROUNDS: usize = 2 * ROUNDS_OF_ENDS;
 /// The way that ends Newton's steps, m or rad: what f32 can tell.
 const PLACED: f32 = 1e-5;
 
