@@ -641,6 +641,8 @@ impl World {
         frame.local_center = center;
         self.forget_tests(slot);
         let body = &mut self.bodies[slot];
+        // Masses decide how what they are joined to is solved.
+        self.joints.version += u64::from(!body.joints.is_empty());
         body.mass = m;
         let w = self.awake.state.get(body.row as usize).map_or(body.angular_velocity, |s| s.w());
         let dv = w.cross(shift);

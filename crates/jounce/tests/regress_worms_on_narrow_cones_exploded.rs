@@ -51,7 +51,9 @@ fn worms_keep_their_energy_and_lie_down() {
             fastest = f64s::max(fastest, e.kinetic);
         }
         let end = w.energy().total();
-        println!("{n} on {degrees}°, up {up}: {start:.0} J, at most {most:.0}, kinetic {fastest:.0}, ends with {end:.0}");
+        println!(
+            "{n} on {degrees}°, up {up}: {start:.0} J, at most {most:.0}, kinetic {fastest:.0}, ends with {end:.0}"
+        );
         assert!(most < 1.005 * start + 1.0, "{n} on {degrees}°, up {up}: {most} J of {start}");
         // It did fall.
         assert!(fastest > 0.2 * start && end < 0.6 * start, "{n} on {degrees}°, up {up}: {fastest}, {end}");

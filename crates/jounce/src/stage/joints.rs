@@ -76,7 +76,10 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
         if again {
             if !same {
                 begin_bodies(shared, set);
-                set.arrange(&shared.joints);
+                set.arrange(&shared.joints, |slot| {
+                    let b = &shared.bodies[slot];
+                    if b.kind == BodyKind::Dynamic { b.mass.inv_mass } else { 0.0 }
+                });
             }
             set.known = nets::knows(shared, set, step.constants.h);
         }

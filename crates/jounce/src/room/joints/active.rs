@@ -3,7 +3,7 @@
 //! Ends push, ropes pull, motors and friction give what they can: A λ = r with bounds, a linear complementarity problem. Rows beyond
 //! their bounds are held there and left out, those that would have to act again are let in, until nothing changes (block pivoting:
 //! Júdice & Pires, A block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, 1994).
-//! Motors and friction may come back in the first rounds alone, ends in the first half: so it ends.
+//! Motors and friction may come back in the first rounds alone; ends one at a time after some, and brake where that takes too long: so it ends.
 
 use super::desc::LimitDesc;
 use super::extra::gains;
@@ -170,7 +170,11 @@ impl JointSet {
         }
         // No answer was found: for this pass ends only brake, and whatever was an end in some round is one.
         self.fixed = true;
-        self.joints.iter_mut().flat_map(|s| &mut s.extra).filter(|x| x.is_hard_end()).for_each(|x| x.acts = x.tried);
+        self.joints
+            .iter_mut()
+            .flat_map(|s| &mut s.extra)
+            .filter(|x| x.is_hard_end())
+            .for_each(|x| x.acts = x.tried);
         for _ in 0..=ROUNDS_OF_MOTORS {
             self.trial(k, sweep, first);
             if !self.hold_back(k, |d| !matches!(d, Duty::Limit(_))) {

@@ -32,7 +32,7 @@ use super::solve::{HARD, Solve, counts, dot64, limited};
 use super::state::Joints;
 use crate::room::contacts::prepare::Softness;
 use crate::room::rigid::state::NONE;
-use jounce_math::Vec3;
+use jounce_math::{Vec3, scalar::f32s};
 
 /// A gear between two joints of the set.
 #[derive(Clone, Debug)]
@@ -97,7 +97,8 @@ impl JointSet {
         self.links.is_empty() && !self.net
     }
     /// After joints and bodies are in place: who meets whom, and whether that is solved directly.
-    pub fn arrange(&mut self, joints: &Joints) {
+    /// `inv_mass` is that of a body by slot, 0 where it is not dynamic.
+    pub fn arrange(&mut self, joints: &Joints, inv_mass: impl Fn(u32) -> f32) {
         let size = |s: &Solve| {
             let kind = &joints.table[s.id].desc.kind;
             counts(kind).iter().sum::<usize>().min(ROWS)
@@ -109,11 +110,11 @@ impl JointSet {
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
         let n = self.joints.len();
         let most = if any(JointSolver::Direct) {
-            FILL_ASKED * n + 64
+            FILL_ASKED * n + FILL_SMALL
         } else if any(JointSolver::Iterative) {
             0
         } else {
-            FILL_AUTO * n + 64
+            FILL_AUTO * n + if self.is_loaded(inv_mass) { FILL_LOADED } else { FILL_SMALL }
         };
         self.plan = if most == 0 { None } else { Plan::new(&links, self.bodies.len(), most) };
         self.shared.clear();
@@ -131,6 +132,14 @@ impl JointSet {
                 self.shared.extend(list[..=x].iter().map(|&k| (i, k, b as u32)));
             }
         }
+    }
+
+    /// Is one of its bodies much heavier than another?
+    fn is_loaded(&self, inv_mass: impl Fn(u32) -> f32) -> bool {
+        let masses = self.bodies.iter().map(|b| inv_mass(b.slot)).filter(|m| *m > 0.0);
+        let (least, most) =
+            masses.fold((f32::INFINITY, 0.0), |(least, most), m| (f32s::min(least, m), f32s::max(most, m)));
+        most > LOAD * least
     }
 
     pub(super) fn refresh(&mut self, joints: &Joints) {
@@ -330,8 +339,14 @@ impl JointSet {
     }
 }
 
-/// Blocks below the diagonal per joint up to which a set is solved directly by itself, and where that is asked for.
+/// Blocks below the diagonal up to which a set is solved directly by itself: for each joint, and besides; so small nets are, of some 60
+/// joints, and those of some 300 where a heavy body hangs in a light net, which soft rows would let flow apart.
 const FILL_AUTO: usize = 6;
+const FILL_SMALL: usize = 64;
+const FILL_LOADED: usize = 2048;
+/// How many times the lightest body's mass makes a load.
+const LOAD: f32 = 10.0;
+/// Blocks for each joint where the direct solver is asked for.
 const FILL_ASKED: usize = 64;
 /// A joint is torn where it is off by more than errors are taken back in this time, s: a metre.
 pub(crate) const TORN: f32 = 0.1;
