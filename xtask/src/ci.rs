@@ -1,6 +1,6 @@
 //! What every change must pass, after the README's own test command.
 
-use crate::{Note, Outcome, Part, book, cargo, files, program, root, run};
+use crate::{Note, Outcome, Part, book, cargo, count, files, program, root, run};
 use std::process::Stdio;
 
 /// Everything `cargo xtask ci` runs.
@@ -15,6 +15,7 @@ pub const PARTS: &[Part] = &[
     ("showcase", program::showcase),
     ("verify", program::verify),
     ("book", book::book),
+    ("count", count::check),
 ];
 
 /// Whether this cargo has the subcommand: components of the toolchain can be absent.

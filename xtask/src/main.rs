@@ -2,6 +2,7 @@
 
 mod book;
 mod ci;
+mod count;
 mod files;
 mod program;
 mod prove;
@@ -13,9 +14,10 @@ use std::time::Instant;
 const USAGE: &str = "usage: cargo xtask ci [PART…]     what every change must pass, or only some parts of it
        cargo xtask prove [PART…]  the long runs: full counts, debug and release
        cargo xtask book           the course book: docs/book becomes target/book
+       cargo xtask count          instructions a step of some scenes, put on record
        cargo xtask files          sizes and texts of the tracked files
 
-parts of ci: files fmt clippy own doctest doc scenes showcase verify book
+parts of ci: files fmt clippy own doctest doc scenes showcase verify book count
 parts of prove: checked release steps hashes laws";
 
 /// What a part of a run came to; `Err` says what failed.
@@ -39,6 +41,7 @@ fn main() -> ExitCode {
         Some("ci") => named(ci::PARTS, rest).and_then(|parts| run_parts(&parts)),
         Some("prove") => named(prove::PARTS, rest).and_then(|parts| run_parts(&parts)),
         Some("book") if rest.is_empty() => run_parts(&[("book", book::book)]),
+        Some("count") if rest.is_empty() => run_parts(&[("count", count::renew)]),
         Some("files") if rest.is_empty() => run_parts(&[("files", files::check)]),
         _ => Err(USAGE.to_string()),
     };

@@ -527,6 +527,8 @@ impl World {
         if self.bodies[slot].enabled == on {
             return;
         }
+        // Joints of a body that is out do not act.
+        self.joints.version += u64::from(!self.bodies[slot].joints.is_empty());
         if on {
             self.bodies[slot].enabled = true;
             if self.bodies[slot].kind != BodyKind::Fixed {

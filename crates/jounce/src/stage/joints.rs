@@ -27,6 +27,9 @@ pub(crate) struct JointScratch {
     /// Joints of those that are solved as nets, by type.
     pub nets: [Rows; 3],
     ids: Vec<u32>,
+    /// Versions and awake bodies that they were gathered for.
+    of: (u64, u64),
+    seen: Vec<(u32, BodyKind)>,
     /// A bit for each slot of the table.
     marks: Vec<u64>,
     /// Who was gathered, and which ends moved, when the sets were made.
@@ -41,9 +44,17 @@ pub(crate) struct JointScratch {
 /// Once per step: the sets, and where everything stands.
 pub(crate) fn prepare(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.joints);
-    s.ids.clear();
-    if !world.joints.is_empty() {
-        gather(world, &mut s.marks, &mut s.ids);
+    let awake = || world.awake.step.iter().map(|b| (b.body, b.kind));
+    let now = (world.joints.version, world.joints.edits);
+    let still = s.of == now && s.seen.iter().copied().eq(awake());
+    if !still {
+        s.of = now;
+        s.seen.clear();
+        s.seen.extend(awake());
+        s.ids.clear();
+        if !world.joints.is_empty() {
+            gather(world, &mut s.marks, &mut s.ids);
+        }
     }
     if s.ids.is_empty() {
         s.sets.clear();
@@ -60,7 +71,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     };
     let same = s.version == world.joints.version
         && s.made_of.len() == s.ids.len()
-        && s.made_of.iter().zip(&s.ids).all(|(m, id)| *m == signature(*id));
+        && (still || s.made_of.iter().zip(&s.ids).all(|(m, id)| *m == signature(*id)));
     if !same {
         let made_of = s.ids.iter().map(|&id| signature(id)).collect();
         s.made_of = made_of;
@@ -321,9 +332,9 @@ pub(crate) fn answer(world: &mut World, step: &Step) {
 }
 
 /// After they moved.
-pub(crate) fn relax(world: &mut World, step: &Step) {
+pub(crate) fn relax(world: &mut World, step: &Step, last: bool) {
     let k = constants(world, step);
-    nets::relax(world, step);
+    nets::relax(world, step, last);
     alike::relax(world, &k);
     pass(world, |world, set| {
         set.bodies.iter_mut().for_each(|b| load(world, b));

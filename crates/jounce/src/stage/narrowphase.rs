@@ -103,15 +103,16 @@ fn margin(world: &World, c: &Contact, bouncy: bool, dt: f32) -> f32 {
     if !bouncy {
         return base;
     }
-    let reach = |body: u32| {
+    let motion = |body: u32| {
         let f = &world.frames[body as usize];
-        world.awake.state.get(f.row as usize).map_or(0.0, |s| {
+        world.awake.state.get(f.row as usize).map_or((Vec3::ZERO, 0.0), |s| {
             let outer = world.bodies[body].mass.outer_radius;
-            let a = world.awake.step[f.row as usize].acceleration.length();
-            (s.v().length() + a * dt + s.w().length() * outer) * dt
+            (s.v() + world.awake.step[f.row as usize].acceleration * dt, s.w().length() * outer)
         })
     };
-    f32s::max(base, reach(c.body_a) + reach(c.body_b))
+    // What falls side by side does not meet.
+    let ((va, wa), (vb, wb)) = (motion(c.body_a), motion(c.body_b));
+    f32s::max(base, ((va - vb).length() + wa + wb) * dt)
 }
 
 /// Part of the thickness of a shape within which two shapes count as being in one place.

@@ -3,7 +3,6 @@
 use super::Step;
 use super::joints::JointScratch;
 use crate::room::contacts::rows::LANES;
-use crate::room::joints::desc::JointKind;
 use crate::room::joints::hinge;
 use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
 use crate::room::joints::net::{Block, Type};
@@ -137,8 +136,8 @@ pub(super) fn answer(world: &mut World, step: &Step) {
 }
 
 /// After they moved.
-pub(super) fn relax(world: &mut World, step: &Step) {
-    sweep(world, step, Pass::Relax);
+pub(super) fn relax(world: &mut World, step: &Step, last: bool) {
+    sweep(world, step, if last { Pass::Last } else { Pass::Relax });
 }
 
 /// Impulses back to the records, and what broke: joint, force, torque.
@@ -148,18 +147,16 @@ pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
             for (i, row) in rows.colors.rows(color).iter().enumerate() {
                 let id = rows.ids[row.payload() as usize];
                 let j = &mut world.joints.table[id];
-                let state = |slot: u32| {
-                    let row = world.frames[slot as usize].row as usize;
-                    world.awake.state.get(row).unwrap_or(&BodyState::FIXED).get()
-                };
-                let (a, b) = (state(j.body_a), state(j.body_b));
-                let (fa, fb) = (&world.frames[j.body_a as usize], &world.frames[j.body_b as usize]);
-                let qa = a.dq * (fa.rotation * j.frame_a.q);
-                if blocks[i / LANES].store(i, kind, j, step.dt, qa) {
+                if blocks[i / LANES].store(i, j, step.dt) {
                     s.broke.push((id, j.force.length(), j.torque.length()));
                 }
-                if let JointKind::Hinge(_) = j.desc.kind {
-                    let e = Ends::now(&Start::new(j, fa, fb), &a, &b);
+                if kind == Type::Hinge {
+                    let state = |slot: u32| {
+                        let row = world.frames[slot as usize].row as usize;
+                        world.awake.state.get(row).unwrap_or(&BodyState::FIXED).get()
+                    };
+                    let (fa, fb) = (&world.frames[j.body_a as usize], &world.frames[j.body_b as usize]);
+                    let e = Ends::now(&Start::new(j, fa, fb), &state(j.body_a), &state(j.body_b));
                     j.coordinate = hinge::angle(&e, j.coordinate).c;
                 }
             }

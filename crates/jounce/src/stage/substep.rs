@@ -29,7 +29,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         sweep(world, Pass::Solve, step);
         super::joints::answer(world, step);
         positions(world, step);
-        super::joints::relax(world, step);
+        super::joints::relax(world, step, i + 1 == step.substeps);
         sweep(world, Pass::Relax, step);
     }
 }

@@ -64,6 +64,11 @@ impl Block {
         let (qa, qb) = (s.qa.normalize(), s.qb.normalize());
         set_quat(&mut self.qa, l, qa);
         set_quat(&mut self.qb, l, qb);
+        self.now.ra.set(l, s.ra);
+        self.now.rb.set(l, s.rb);
+        self.now.d.set(l, s.offset + (s.rb - s.ra));
+        set_quat(&mut self.now.qa, l, qa);
+        set_quat(&mut self.now.qb, l, qb);
         for (i, (inv_mass, t)) in sides.iter().enumerate() {
             self.inv_mass[i][l] = *inv_mass;
             for (to, from) in self.inertia[i].iter_mut().zip([t.xx, t.yy, t.zz, t.xy, t.xz, t.yz]) {
@@ -92,11 +97,10 @@ impl Block {
         self.drive_impulse.set(l, Vec3::new(axis(0), axis(1), axis(2)));
     }
 
-    /// Lane `l` back to the joint, whose frame on A is `qa` now; tells whether it broke.
-    pub fn store(&self, l: usize, kind: Type, j: &mut Joint, dt: f32, qa: Quat) -> bool {
+    /// Lane `l` back to the joint; tells whether it broke. The last pass has left its impulses along A's axes.
+    pub fn store(&self, l: usize, j: &mut Joint, dt: f32) -> bool {
         let l = l % LANES;
-        let (p, t) = (qa.inverse_rotate(self.point.get(l)), self.turn.get(l));
-        let t = if kind == Type::Fixed { qa.inverse_rotate(t) } else { t };
+        let (p, t) = (self.point.get(l), self.turn.get(l));
         j.hard = [p.x, p.y, p.z, t.x, t.y, t.z];
         let Places { cone, twist, drive, axes, count } = self.places[l];
         j.extra.clear();

@@ -57,6 +57,8 @@ pub(crate) struct Block {
     pub offset: LaneVec,
     pub qa: [Lane; 4],
     pub qb: [Lane; 4],
+    /// The same where the bodies have been since they last moved, with d instead of the offset.
+    pub now: Now,
     pub inv_mass: [Lane; 2],
     pub inertia: [[Lane; 6]; 2],
     /// Impulses of this substep, world axes; of a hinge's turns, about y and z of A.
@@ -87,6 +89,16 @@ pub(crate) struct Block {
     pub any_drive: bool,
 }
 
+/// Levers, anchor to anchor, and joint frames.
+#[derive(Clone, Debug)]
+pub(crate) struct Now {
+    pub ra: LaneVec,
+    pub rb: LaneVec,
+    pub d: LaneVec,
+    pub qa: [Lane; 4],
+    pub qb: [Lane; 4],
+}
+
 impl Default for Block {
     fn default() -> Self {
         const Z: Lane = [0.0; LANES];
@@ -96,6 +108,13 @@ impl Default for Block {
             offset: LaneVec::ZERO,
             qa: [Z, Z, Z, [1.0; LANES]],
             qb: [Z, Z, Z, [1.0; LANES]],
+            now: Now {
+                ra: LaneVec::ZERO,
+                rb: LaneVec::ZERO,
+                d: LaneVec::ZERO,
+                qa: [Z, Z, Z, [1.0; LANES]],
+                qb: [Z, Z, Z, [1.0; LANES]],
+            },
             inv_mass: [Z; 2],
             inertia: [[Z; 6]; 2],
             point: LaneVec::ZERO,

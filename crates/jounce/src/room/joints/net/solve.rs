@@ -21,8 +21,10 @@ pub(crate) enum Pass {
     Solve,
     /// The same without springs, which push once.
     Answer,
-    /// Speeds alone; sums what the substep came to.
+    /// Speeds alone, where the bodies have moved to; sums what the substep came to.
     Relax,
+    /// The last of these in a step, which leaves impulses along A's axes, as the records have them.
+    Last,
 }
 
 /// Numbers of a step.
@@ -69,12 +71,15 @@ impl Kernel for Sweep<'_, '_> {
         while done < rows.len().min(LANES) {
             let g = Gather { first: rows.start + done, end: rows.end };
             let at = lane + done;
-            let mut u = Pair::<L>::load(block, at, access, g);
+            let mut u = Pair::<L>::load(block, at, access, g, pass);
             match pass {
                 Pass::Warm => u.warm(block, at, kind, constants),
                 Pass::Solve => u.solve(block, at, kind, constants, true),
                 Pass::Answer => u.solve(block, at, kind, constants, false),
-                Pass::Relax => u.relax(block, at, kind, constants),
+                Pass::Relax | Pass::Last => u.relax(block, at, kind, constants),
+            }
+            if pass == Pass::Last {
+                u.turn_back(block, at, kind);
             }
             u.store(access, g);
             done += L::WIDTH;
@@ -96,14 +101,17 @@ struct Pair<L> {
     wa: Wide3<L>,
     vb: Wide3<L>,
     wb: Wide3<L>,
-    pa: Wide3<L>,
-    pb: Wide3<L>,
+    /// Their places along x and y, which lie beside the velocities.
+    pa: [L; 2],
+    pb: [L; 2],
     ma: L,
     mb: L,
     ta: Sym<L>,
     tb: Sym<L>,
     ra: Wide3<L>,
     rb: Wide3<L>,
+    /// From anchor to anchor.
+    d: Wide3<L>,
     /// Joint frames.
     qa: WideQuat<L>,
     qb: WideQuat<L>,
@@ -119,7 +127,7 @@ struct End<L> {
 
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
-    fn load(block: &Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather) -> Self {
+    fn load(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather, pass: Pass) -> Self {
         let a = L::gather8(
             #[inline(always)]
             |i| if g.first + i < g.end { &access.a(g.first + i).hot } else { &BodyState::FIXED.hot },
@@ -128,6 +136,32 @@ impl<L: Lanes> Pair<L> {
             #[inline(always)]
             |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
         );
+        if matches!(pass, Pass::Relax | Pass::Last) {
+            Self::follow(block, at, access, g, [a, b].map(|x| [x[6], x[7]]));
+        }
+        let now = &block.now;
+        Self {
+            va: Wide3::new(a[0], a[1], a[2]),
+            wa: Wide3::new(a[3], a[4], a[5]),
+            vb: Wide3::new(b[0], b[1], b[2]),
+            wb: Wide3::new(b[3], b[4], b[5]),
+            pa: [a[6], a[7]],
+            pb: [b[6], b[7]],
+            ma: L::load(&block.inv_mass[0][at..]),
+            mb: L::load(&block.inv_mass[1][at..]),
+            ta: Sym::load(&block.inertia[0], at),
+            tb: Sym::load(&block.inertia[1], at),
+            ra: Wide3::load(&now.ra, at),
+            rb: Wide3::load(&now.rb, at),
+            d: Wide3::load(&now.d, at),
+            qa: WideQuat::load(&now.qa, at),
+            qb: WideQuat::load(&now.qb, at),
+        }
+    }
+
+    /// Levers and frames where the bodies have moved to.
+    #[inline(always)]
+    fn follow(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather, p: [[L; 2]; 2]) {
         let x = L::gather8(
             #[inline(always)]
             |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
@@ -138,29 +172,21 @@ impl<L: Lanes> Pair<L> {
         );
         let da = WideQuat { v: Wide3::new(x[4], x[5], x[6]), w: x[7] };
         let db = WideQuat { v: Wide3::new(y[4], y[5], y[6]), w: y[7] };
-        Self {
-            va: Wide3::new(a[0], a[1], a[2]),
-            wa: Wide3::new(a[3], a[4], a[5]),
-            vb: Wide3::new(b[0], b[1], b[2]),
-            wb: Wide3::new(b[3], b[4], b[5]),
-            pa: Wide3::new(a[6], a[7], x[0]),
-            pb: Wide3::new(b[6], b[7], y[0]),
-            ma: L::load(&block.inv_mass[0][at..]),
-            mb: L::load(&block.inv_mass[1][at..]),
-            ta: Sym::load(&block.inertia[0], at),
-            tb: Sym::load(&block.inertia[1], at),
-            ra: da.rotate(Wide3::load(&block.ra, at)),
-            rb: db.rotate(Wide3::load(&block.rb, at)),
-            qa: da.times(WideQuat::load(&block.qa, at)),
-            qb: db.times(WideQuat::load(&block.qb, at)),
-        }
+        let [pa, pb] = [Wide3::new(p[0][0], p[0][1], x[0]), Wide3::new(p[1][0], p[1][1], y[0])];
+        let (ra, rb) = (da.rotate(Wide3::load(&block.ra, at)), db.rotate(Wide3::load(&block.rb, at)));
+        let d = Wide3::<L>::load(&block.offset, at).add(pb.sub(pa)).add(rb.sub(ra));
+        ra.store(&mut block.now.ra, at);
+        rb.store(&mut block.now.rb, at);
+        d.store(&mut block.now.d, at);
+        da.times(WideQuat::load(&block.qa, at)).store(&mut block.now.qa, at);
+        db.times(WideQuat::load(&block.qb, at)).store(&mut block.now.qb, at);
     }
 
     #[inline(always)]
     fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
         let (v, w, p) = (self.va, self.wa, self.pa);
         L::scatter8(
-            [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
+            [v.x, v.y, v.z, w.x, w.y, w.z, p[0], p[1]],
             #[inline(always)]
             |i, hot| {
                 if g.first + i < g.end {
@@ -171,7 +197,7 @@ impl<L: Lanes> Pair<L> {
         );
         let (v, w, p) = (self.vb, self.wb, self.pb);
         L::scatter8(
-            [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
+            [v.x, v.y, v.z, w.x, w.y, w.z, p[0], p[1]],
             #[inline(always)]
             |i, hot| {
                 if g.first + i < g.end {
@@ -329,7 +355,7 @@ impl<L: Lanes> Pair<L> {
         }
         self.hold_turns(block, at, kind, k, false);
         self.hold_point(block, at, k, false);
-        self.calm(block, at, k);
+        self.calm(k);
         self.account(block, at, kind, k);
     }
 
@@ -452,8 +478,7 @@ impl<L: Lanes> Pair<L> {
     #[inline(always)]
     fn hold_point(&mut self, block: &mut Block, at: usize, k: &Constants, solving: bool) {
         let (scale, rate, fade) = softness::<L>(k, solving);
-        let d = Wide3::<L>::load(&block.offset, at).add(self.pb.sub(self.pa)).add(self.rb.sub(self.ra));
-        let d = bounded(d, L::splat(k.correct));
+        let d = bounded(self.d, L::splat(k.correct));
         let v = self.slip().add(d.scale(rate));
         let mut m = self.ta.moved_to(self.ra).plus(self.tb.moved_to(self.rb));
         let both = self.ma + self.mb;
@@ -468,10 +493,9 @@ impl<L: Lanes> Pair<L> {
     /// Draws the velocities of two whose points are torn apart towards their mean, as sets do: rows with such levers are no longer
     /// linear in a substep, and would drive the bodies round for ever.
     #[inline(always)]
-    fn calm(&mut self, block: &Block, at: usize, k: &Constants) {
-        let d = Wide3::<L>::load(&block.offset, at).add(self.pb.sub(self.pa)).add(self.rb.sub(self.ra));
+    fn calm(&mut self, k: &Constants) {
         let both = self.ma.min(self.mb).gt(L::zero());
-        let torn = d.dot(d).gt(L::splat(k.torn * k.torn)) & both;
+        let torn = self.d.dot(self.d).gt(L::splat(k.torn * k.torn)) & both;
         if !torn.any() {
             return;
         }
@@ -482,6 +506,16 @@ impl<L: Lanes> Pair<L> {
         self.vb = self.vb.sub(v.scale(self.mb));
         self.wa = self.wa.sub(self.wa.scale(part));
         self.wb = self.wb.sub(self.wb.scale(part));
+    }
+
+    /// Impulses that are along the world's axes go to A's.
+    #[inline(always)]
+    fn turn_back(&self, block: &mut Block, at: usize, kind: Type) {
+        let back = self.qa.conjugate();
+        back.rotate(Wide3::load(&block.point, at)).store(&mut block.point, at);
+        if kind == Type::Fixed {
+            back.rotate(Wide3::load(&block.turn, at)).store(&mut block.turn, at);
+        }
     }
 
     /// What the substep came to.
