@@ -99,7 +99,7 @@ fn counts() -> Result<Vec<(&'static str, u64)>, String> {
             .output()
             .map_err(|e| format!("valgrind: {e}"))?;
         let text = String::from_utf8_lossy(&output.stderr);
-        let refs = text.lines().find_map(|l| l.split_once("I refs:").map(|(_, n)| n.trim().replace(',', "")));
+        let refs = text.lines().find_map(|l| l.split_once(" refs:").map(|(_, n)| n.trim().replace(',', "")));
         match refs.and_then(|n| n.parse::<u64>().ok()) {
             Some(n) if output.status.success() => Ok(n),
             _ => Err(format!("cachegrind of jounce {}: {}", words.join(" "), last_line(&output.stderr))),

@@ -374,6 +374,12 @@ fn stand(world: &mut World, c: &mut Character, ahead: &[Ahead], scratch: &mut Mo
         None => (None, None),
     };
     c.hits = hits;
+    let carrier = ground.and_then(|g| Some((world.slot(g.0.body).ok()?, g.0.point)));
+    let give = |n: Vec3| {
+        carrier.map_or(0.0, |(slot, point)| {
+            world.give_of(slot, (point - world.frames[slot as usize].center).as_vec3(), n)
+        })
+    };
     let s = Stand {
         desc: &c.desc,
         up,
@@ -384,6 +390,7 @@ fn stand(world: &mut World, c: &mut Character, ahead: &[Ahead], scratch: &mut Mo
         walk: c.input.walk,
         height: ground.map(|g| g.1),
         steep,
+        give: &give,
     };
     let force = leg::force(&s);
     let _ = world.do_force(id, force, Vec3::ZERO, None);

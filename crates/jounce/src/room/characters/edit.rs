@@ -242,6 +242,16 @@ impl World {
         out
     }
 
+    /// Inverse mass of a body at a lever along a unit vector, 1/kg; 0 of what is not dynamic.
+    pub(crate) fn give_of(&self, slot: u32, lever: Vec3, n: Vec3) -> f32 {
+        let body = &self.bodies[slot];
+        if body.kind != BodyKind::Dynamic {
+            return 0.0;
+        }
+        let local = self.frames[slot as usize].rotation.inverse_rotate(lever.cross(n));
+        body.mass.inv_mass + local.dot(body.mass.inv_inertia * local)
+    }
+
     /// Impulse on a body in the way, and where: at the height of its centre of mass, so that it is shoved and not tipped.
     pub(crate) fn push_of(
         &self,
@@ -264,10 +274,7 @@ impl World {
         if closing <= 0.0 || !closing.is_finite() {
             return None;
         }
-        let q = self.frames[slot as usize].rotation;
-        let turn = lever.cross(n);
-        let local = q.inverse_rotate(turn);
-        let inv = body.mass.inv_mass + local.dot(body.mass.inv_inertia * local);
+        let inv = self.give_of(slot, lever, n);
         let j = f32s::min(closing / inv, most);
         (j > 0.0).then(|| (center + lever.as_dvec3(), n * -j))
     }
