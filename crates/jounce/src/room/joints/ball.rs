@@ -23,12 +23,20 @@ pub(crate) fn rows(e: &Ends, out: &mut Hard) {
     }
 }
 
+impl BallDesc {
+    /// No cone keeps its two x axes within 150°.
+    pub(super) fn may_point_apart(&self) -> bool {
+        self.cone_spring.is_some() || self.cone.is_none_or(|c| c > WIDE)
+    }
+}
+
 pub(crate) fn extras(b: &BallDesc, e: &Ends, out: &mut Extras<'_>) {
     if let Some(cone) = b.cone {
         out.push(e.cone(), Duty::Limit(LimitDesc { min: -1.0, max: cone, spring: b.cone_spring }));
     }
     if let Some(twist) = b.twist {
-        out.push(e.twist(), Duty::Limit(twist));
+        let row = if b.may_point_apart() { e.fading_twist(0.5 * (twist.min + twist.max)) } else { e.twist() };
+        out.push(row, Duty::Limit(twist));
     }
     if let Some(m) = &b.motor {
         let rows = match m.rotation {
@@ -51,5 +59,7 @@ pub(crate) fn extras(b: &BallDesc, e: &Ends, out: &mut Extras<'_>) {
     }
 }
 
+/// Cone beyond which a twist fades, rad: 150°.
+const WIDE: f32 = 2.617;
 /// Gap from which a point is torn, m.
 pub(super) const TORN: f32 = 0.05;

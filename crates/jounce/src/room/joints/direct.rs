@@ -164,6 +164,10 @@ impl Plan {
         list.binary_search_by_key(&row, |b| b.row).map_or(0, |i| list[i].at)
     }
 
+    /// Products of blocks in the elimination.
+    pub fn products(&self) -> usize {
+        self.targets.len() + self.order.len()
+    }
     /// Numbers in all blocks.
     pub fn floats(&self) -> usize {
         self.floats

@@ -7,6 +7,8 @@
 //! * x_b stays across y_a: C = y_a·x_b, J = (0, −j, 0, j), j = x_b × y_a;
 //! * no turn: q = q_a⁻¹ q_b = (v, w), C = 2 v_i, j = q_a (w e_i + v × e_i);
 //! * twist about x: C = 2 atan2(v_x, w), j = (x_a + x_b) / (1 + x_a·x_b);
+//!   where the two x may come to point apart: C = m + f (φ − m), f from 1 at a swing of 150° to 0 at 180°, with s = 1 + x_a·x_b,
+//!   j = f j_φ + (φ − m) f′(s) x_b × x_a: φ turns ever faster there, and has no value at last;
 //! * cone: C = angle of x_a and x_b, j = x_a × x_b / |x_a × x_b|.
 
 use super::ball::TORN;
@@ -140,6 +142,21 @@ impl Ends {
         let j = if s > 1e-2 { (xa + xb) / s } else { xa };
         Row::turn(j, 2.0 * f32s::atan2(q.x, q.w))
     }
+    /// The twist about `middle`, which fades out where the two x axes come to point apart.
+    pub fn fading_twist(&self, middle: f32) -> Row {
+        let row = self.twist();
+        let (xa, xb) = (self.axis_a(0), self.axis_b(0));
+        let part = (1.0 + xa.dot(xb)) / FADES;
+        if part >= 1.0 {
+            return row;
+        }
+        let part = f32s::max(part, 0.0);
+        let (f, slope) = (part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part) / FADES);
+        let half = core::f32::consts::PI;
+        let from = row.c - middle;
+        let from = from - 2.0 * half * (from / (2.0 * half)).round();
+        Row::turn(row.jb * f + xb.cross(xa) * (from * slope), middle + f * from)
+    }
     /// Swing about A's z (2) or y (1), within ±90°.
     pub fn swing(&self, i: usize) -> Row {
         let (across, sign) = if i == 2 { (1, 1.0) } else { (2, -1.0) };
@@ -170,6 +187,9 @@ impl Ends {
         [0, 1, 2].map(|i| Row::turn(self.axis_a(i), v[i] * k))
     }
 }
+
+/// 1 + x_a·x_b from which a twist fades: a swing of 150°.
+const FADES: f32 = 0.134;
 
 /// The turn by a rotation vector, right at any angle.
 #[inline(always)]

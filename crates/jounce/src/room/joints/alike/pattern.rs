@@ -33,6 +33,7 @@ impl Kind {
                         && !t.holds_still()
                         && t.min.abs() <= HALF_TURN
                         && t.max.abs() <= HALF_TURN
+                        && !b.may_point_apart()
                 });
                 let driven = b.motor.as_ref().is_some_and(|m| m.rotation.is_none());
                 let pulled = b.motor.as_ref().is_none_or(|m| m.rotation.is_none() || gentle(&m.spring));
