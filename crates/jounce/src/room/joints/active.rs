@@ -6,7 +6,6 @@
 //! Motors and friction may come back in the first rounds alone; ends one at a time after some, and brake where that takes too long: so it ends.
 
 use super::desc::LimitDesc;
-use super::extra::gains;
 use super::extra::{Duty, Sweep};
 use super::local::Local;
 use super::set::{Constants, JointSet};
@@ -82,7 +81,7 @@ impl JointSet {
     }
 
     /// Right sides for the present velocities: −C(t + h)/h to solve, −J u to relax.
-    fn residuals(&mut self, k: &Constants, sweep: Sweep, first: bool) {
+    fn residuals(&mut self, k: &Constants, sweep: Sweep) {
         let Some(plan) = &self.plan else { return };
         for (i, s) in self.joints.iter().enumerate() {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
@@ -97,12 +96,8 @@ impl JointSet {
                     v + s.give_way[c] * s.lambda[c]
                 } else if sweep == Sweep::Relax {
                     v
-                } else if let Some(spring) = s.soft {
-                    let inv = s.meets_itself(c, c, &self.bodies[s.a], &self.bodies[s.b]);
-                    let mass = if inv > 0.0 { (1.0 / inv) as f32 } else { 0.0 };
-                    let (ga, gb) = gains(&spring, mass, k.h);
-                    // Once per substep.
-                    if first { ga * row.c + gb * v } else { 0.0 }
+                } else if let Some((gives, pull)) = s.softness(c, &self.bodies, k.h) {
+                    v + gives * s.lambda[c] + pull
                 } else {
                     // Errors that a teleport left are taken back at a bounded speed.
                     let error = limited(row.c, k.correct * k.h);
@@ -127,14 +122,14 @@ impl JointSet {
     ///
     /// Where the way of the substep bends much, that is judged only once the velocities fit the joints: what a blow has left of a limb's spin on
     /// a long lever would ask for ten times what it needs.
-    pub(super) fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+    pub(super) fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
         if sweep == Sweep::Solve && self.bends(joints, k) {
             self.straight = true;
-            self.rounds(joints, k, sweep, first);
+            self.rounds(joints, k, sweep);
             self.straight = false;
-            self.rounds(joints, k, sweep, false);
+            self.rounds(joints, k, sweep);
         } else {
-            self.rounds(joints, k, sweep, first);
+            self.rounds(joints, k, sweep);
         }
     }
 
@@ -149,7 +144,7 @@ impl JointSet {
         })
     }
 
-    fn rounds(&mut self, joints: &Joints, k: &Constants, sweep: Sweep, first: bool) {
+    fn rounds(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
         if sweep != Sweep::Relax {
             for s in &mut self.joints {
                 if self.straight {
@@ -164,7 +159,7 @@ impl JointSet {
         self.fixed = false;
         let products = self.plan.as_ref().map_or(1, |p| p.products().max(1));
         for round in 1..=(PRODUCTS / products).clamp(ROUNDS[0], ROUNDS[1]) {
-            self.trial(k, sweep, first);
+            self.trial(k, sweep);
             if !self.correct(k, sweep, round) {
                 return;
             }
@@ -178,21 +173,21 @@ impl JointSet {
             .filter(|x| x.is_hard_end())
             .for_each(|x| x.acts = x.tried);
         for _ in 0..=ROUNDS_OF_MOTORS {
-            self.trial(k, sweep, first);
+            self.trial(k, sweep);
             if !self.hold_back(k, |d| !matches!(d, Duty::Limit(_))) {
                 return;
             }
             self.rewind();
         }
-        self.trial(k, sweep, first);
+        self.trial(k, sweep);
     }
 
-    fn trial(&mut self, k: &Constants, sweep: Sweep, first: bool) {
+    fn trial(&mut self, k: &Constants, sweep: Sweep) {
         for s in &mut self.joints {
             s.pack(sweep);
             s.extra.iter_mut().for_each(|x| x.tried |= x.acts);
         }
-        self.residuals(k, sweep, first);
+        self.residuals(k, sweep);
         self.factor(k.h);
         let Some(plan) = &self.plan else { return };
         plan.solve(&mut self.numbers);

@@ -52,7 +52,7 @@ impl JointSet {
                 s.extra.iter_mut().for_each(|x| x.impulse = 0.0);
             }
             if direct {
-                self.direct(joints, &k, Sweep::Place, true);
+                self.direct(joints, &k, Sweep::Place);
             } else {
                 for s in &mut self.joints {
                     s.active = true;

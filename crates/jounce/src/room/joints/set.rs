@@ -179,7 +179,9 @@ impl JointSet {
         for (i, s) in self.joints.iter().enumerate() {
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
                 let c = match usize::from(code) {
-                    c if c < HARD => f64::from(s.give_way[c]),
+                    c if c < HARD => {
+                        f64::from(s.softness(c, &self.bodies, h).map_or(s.give_way[c], |(gives, _)| gives))
+                    }
                     c => s.extra[c - HARD].compliance(h),
                 };
                 if c > 0.0 {
@@ -248,7 +250,7 @@ impl JointSet {
             }
             self.gears(k, sweep, false);
             if self.plan.is_some() {
-                self.direct(joints, k, sweep, first && round == 0);
+                self.direct(joints, k, sweep);
             } else {
                 for s in &mut self.joints {
                     s.hold(&mut self.bodies, k, sweep, first && round == 0);

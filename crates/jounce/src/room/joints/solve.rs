@@ -448,6 +448,19 @@ impl Solve {
         bearable(by, k)
     }
 
+    /// A soft row of the direct solve yields: v⁺ + γ λ + β = 0 with γ = (1/b − 1)/m, β = a C/b, which alone gives the spring's own
+    /// λ = −m (a C + b v). As a velocity that the row must have, beside rigid rows and others of another softness, it blew up.
+    pub(super) fn softness(&self, row: usize, bodies: &[Local], h: f32) -> Option<(f32, f32)> {
+        let spring = self.soft?;
+        let inv = self.meets_itself(row, row, &bodies[self.a], &bodies[self.b]) as f32;
+        if inv <= 0.0 {
+            return Some((0.0, 0.0));
+        }
+        let (a, b) = gains(&spring, 1.0 / inv, h);
+        let b = f32s::max(b, UNDAMPED);
+        Some(((1.0 / b - 1.0) * inv, a * self.hard.rows[row].c / b))
+    }
+
     /// A damper across a rod.
     pub(super) fn yields(&self, row: usize) -> bool {
         self.rod && row > 0
@@ -581,6 +594,8 @@ pub(super) const HARD: usize = 6;
 const UNMOVED: f32 = 1e-8;
 /// Half-angle up to which a cone is narrow: a substep's turn may cross it, rad.
 const NARROW: f32 = 0.1;
+/// Part of its speed that a soft row takes at least in a substep.
+const UNDAMPED: f32 = 1e-5;
 /// How far beyond an end counts, m or rad.
 pub(super) const TOUCH: f32 = 1e-6;
 
