@@ -309,12 +309,19 @@ fn push(world: &mut World, c: &Character, step: &Step, moved: bool) {
     }
 }
 
+/// Most that a step's weight changes the velocity of where it stands, m/s: what is much lighter bears no more before its contacts answer.
+const KICK: f32 = 3.0;
+
 /// A force on what carries a character, while that is awake or the character moves; a sleeper bears one that stands already.
 fn weigh(world: &mut World, g: &CharacterGround, force: Vec3, dt: f32, moved: bool) {
     let Ok(slot) = world.slot(g.body) else { return };
     let body = &world.bodies[slot];
     if body.kind == BodyKind::Dynamic && (moved || body.row != NONE) {
-        let _ = world.do_impulse(g.body, force * dt, Vec3::ZERO, Some(g.point));
+        let impulse = force * dt;
+        let lever = (g.point - world.frames[slot as usize].center).as_vec3();
+        let kick = impulse.try_normalize().map_or(0.0, |(n, size)| size * world.give_of(slot, lever, n));
+        let part = f32s::min(1.0, KICK * world.settings.length_unit / f32s::max(kick, f32::MIN_POSITIVE));
+        let _ = world.do_impulse(g.body, impulse * part, Vec3::ZERO, Some(g.point));
     }
 }
 
