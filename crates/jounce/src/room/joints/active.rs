@@ -15,9 +15,9 @@ use jounce_math::{Vec3, scalar::f64s};
 
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 pub(super) const TAUT_SPEED: f32 = 0.1;
-/// Rounds of the active set, at least and at most, and the products of blocks that they may take: a chain of 60 has 50 rounds.
-const ROUNDS: [usize; 2] = [16, 64];
-const PRODUCTS: usize = 6000;
+/// Rounds of the active set, at least and at most, and the products of blocks that they may take: a chain of 60 has 83 rounds.
+const ROUNDS: [usize; 2] = [16, 128];
+const PRODUCTS: usize = 10000;
 /// Of these, those that let motors and friction act again, and those that change all ends that are wrong; then one at a time.
 const ROUNDS_OF_MOTORS: usize = 2;
 pub(super) const ROUNDS_OF_ENDS: usize = 8;
