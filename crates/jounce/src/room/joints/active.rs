@@ -15,7 +15,7 @@ use jounce_math::{Vec3, scalar::f64s};
 
 /// A one-sided row that held is taut as long as so little speed would close it within a substep, m/s.
 pub(super) const TAUT_SPEED: f32 = 0.1;
-/// Rounds of the active set, at least and at most, and the products of blocks that they may take: a chain of 60 has 83 rounds.
+/// Rounds of the active set, at least and at most, and the products of blocks that they may take: a chain of 60 has some 80 rounds.
 const ROUNDS: [usize; 2] = [16, 128];
 const PRODUCTS: usize = 10000;
 /// Of these, those that let motors and friction act again, and those that change all ends that are wrong; then one at a time.
