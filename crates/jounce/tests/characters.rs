@@ -576,7 +576,6 @@ fn the_dynamic_one_walks_climbs_and_is_pushed() {
     assert!(at(&w, c).x > 0.3, "{:?}", at(&w, c));
 }
 
-/// A crowd on platforms, among boxes, for hashes.
 /// A light box that it walks into, and over, was kicked away at 106 m/s: the leg pushed as if the box were the ground.
 #[test]
 fn the_dynamic_one_does_not_kick_light_boxes() {
@@ -600,6 +599,7 @@ fn the_dynamic_one_does_not_kick_light_boxes() {
     }
 }
 
+/// A crowd on platforms, among boxes, for hashes.
 fn crowd() -> (World, Vec<CharacterId>) {
     let mut w = world();
     floor(&mut w);

@@ -266,10 +266,7 @@ impl Solve {
         let n = ahead / size;
         x.impulse *= f32s::max(n.dot(x.row.jb), 0.0);
         x.row = Row { ja: -n, jb: n, c: n.dot(swing), ..now };
-        x.ia = a.tensor.mul(x.row.ja);
-        x.ib = b.tensor.mul(x.row.jb);
-        let inv = inverse_mass(&x.row, x.ia, x.ib, a, b);
-        x.mass = if inv > UNMOVED * most_inverse_mass(&x.row, a, b) { 1.0 / inv } else { 0.0 };
+        weigh(x, a, b);
         true
     }
 
@@ -310,10 +307,7 @@ impl Solve {
         list.drain(..impulses);
         self.extra = list;
         for x in &mut self.extra {
-            x.ia = a.tensor.mul(x.row.ja);
-            x.ib = b.tensor.mul(x.row.jb);
-            let k = inverse_mass(&x.row, x.ia, x.ib, a, b);
-            x.mass = if k > UNMOVED * most_inverse_mass(&x.row, a, b) { 1.0 / k } else { 0.0 };
+            weigh(x, a, b);
         }
         for i in 0..self.hard.n {
             self.ia[i] = a.tensor.mul(self.hard.rows[i].ja);
@@ -542,6 +536,14 @@ impl Solve {
         let e = Ends::now(&self.start, &bodies[self.a].m, &bodies[self.b].m);
         if self.slides { e.along(e.axis_a(0)) } else { e.twist() }
     }
+}
+
+/// What a row moves, and its effective mass: 0 where it moves nothing.
+fn weigh(x: &mut Extra, a: &Local, b: &Local) {
+    x.ia = a.tensor.mul(x.row.ja);
+    x.ib = b.tensor.mul(x.row.jb);
+    let inv = inverse_mass(&x.row, x.ia, x.ib, a, b);
+    x.mass = if inv > UNMOVED * most_inverse_mass(&x.row, a, b) { 1.0 / inv } else { 0.0 };
 }
 
 /// The part of two bodies' changes of velocity and spin that a pass may make.

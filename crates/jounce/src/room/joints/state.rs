@@ -53,7 +53,7 @@ impl Joint {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Joints {
     pub table: Table<Joint>,
-    /// Grows with every change of who is joined to whom and how; not state.
+    /// Grows with every change of who is joined to whom and how, and of masses and presence of what is; not state.
     pub version: u64,
     /// Grows with every other change of what a joint is; not state.
     pub edits: u64,
