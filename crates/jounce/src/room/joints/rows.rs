@@ -146,16 +146,18 @@ impl Ends {
     pub fn fading_twist(&self, middle: f32) -> Row {
         let row = self.twist();
         let (xa, xb) = (self.axis_a(0), self.axis_b(0));
-        let part = (1.0 + xa.dot(xb)) / FADES;
-        if part >= 1.0 {
+        let s = 1.0 + xa.dot(xb);
+        if s >= FADES {
             return row;
         }
-        let part = f32s::max(part, 0.0);
+        // Its own direction, without bound, as f falls faster than it grows.
+        let j = if s > 1e-6 { (xa + xb) / s } else { Vec3::ZERO };
+        let part = f32s::max(s / FADES, 0.0);
         let (f, slope) = (part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part) / FADES);
         let half = core::f32::consts::PI;
         let from = row.c - middle;
         let from = from - 2.0 * half * (from / (2.0 * half)).round();
-        Row::turn(row.jb * f + xb.cross(xa) * (from * slope), middle + f * from)
+        Row::turn(j * f + xb.cross(xa) * (from * slope), middle + f * from)
     }
     /// Swing about A's z (2) or y (1), within ±90°.
     pub fn swing(&self, i: usize) -> Row {
@@ -219,6 +221,36 @@ impl Hard {
         if let Some(slot) = self.rows.get_mut(self.n) {
             *slot = row;
             self.n += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// dC/dt = J u, where the twist is whole, fades and is nearly gone.
+    #[test]
+    fn a_fading_twist_is_the_integral_of_its_row() {
+        let ends = |qb: Quat| Ends {
+            ra: Vec3::ZERO,
+            rb: Vec3::ZERO,
+            qa: Quat::IDENTITY,
+            qb,
+            d: Vec3::ZERO,
+            torn: false,
+        };
+        let about = |axis: Vec3, degrees: f32| Quat::from_axis_angle(axis, degrees.to_radians());
+        let across = Vec3::new(0.0, 0.6, 0.8);
+        for (swing, twist) in [(100.0, 20.0), (152.0, 35.0), (160.0, -50.0), (168.0, 25.0), (175.0, 10.0)] {
+            let q = about(across, swing) * about(Vec3::X, twist);
+            let row = ends(q).fading_twist(0.1);
+            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+                let c = |degrees: f32| ends((about(axis, degrees) * q).normalize()).fading_twist(0.1).c;
+                let slope = (c(0.1) - c(-0.1)) / 0.2_f32.to_radians();
+                let told = row.jb.dot(axis);
+                assert!((slope - told).abs() < 0.02, "{swing}°, {twist}°, {axis:?}: {slope} for {told}");
+            }
         }
     }
 }
