@@ -115,6 +115,10 @@ impl Local {
         let ([a, b, c], [d, e, f]) = self.moved([a, b, c], [d, e, f]);
         self.dv = [a, b, c, d, e, f];
     }
+    /// It moves along all axes as impulses have it.
+    pub fn is_dynamic(&self) -> bool {
+        self.row != NONE && self.inv_mass.min_component() > 0.0
+    }
     /// Joints can change its velocity.
     pub fn moves(&self) -> bool {
         self.inv_mass != Vec3::ZERO || self.tensor.xx > 0.0 || self.tensor.yy > 0.0 || self.tensor.zz > 0.0

@@ -100,7 +100,7 @@ impl JointSet {
     fn spin(&self) -> Option<Spin> {
         let (mut mass, mut centre, mut p) = (0.0, Vec3::ZERO, Vec3::ZERO);
         for b in &self.bodies {
-            if b.row == NONE || b.inv_mass.min_component() <= 0.0 {
+            if !b.is_dynamic() {
                 return None;
             }
             let m = 1.0 / b.inv_mass.x;

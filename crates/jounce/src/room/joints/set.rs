@@ -12,7 +12,7 @@
 //!
 //! Light links under a heavy load. A link of inertia I under the tension f, held at the lever r, swings across the pull at
 //! ω = √(r·f/I); 20 g under 100 kg at 2,000 rad/s, which no substep resolves, and explicit motion would blow up. So tension acts implicitly
-//! where h² r·f > I (on rods' ends: h² f/L > m): G = h² Σ (r·f)(1 − n nᵀ), n = r/|r|, and only the part of G beyond I is added,
+//! where h² r·f > I (across rods: h² f/L > m/4): G = h² Σ (r·f)(1 − n nᵀ), n = r/|r|, and only the part of G beyond I is added,
 //! (I + G′) ω′ = I ω + Σ τ. It is implicit Euler's own treatment of those modes (geometric stiffness), damping included;
 //! whatever moves slowly enough has no part in it. So the load may be ten tons, and no joint yields.
 //!
@@ -78,6 +78,8 @@ pub(crate) struct JointSet {
     pub(super) straight: bool,
     /// The pass found no active set: ends hold both ways.
     pub(super) fixed: bool,
+    /// One of its bodies is much heavier than another.
+    pub(super) loaded: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
     /// Pairs of joints that share a moving body, and which.
@@ -109,12 +111,13 @@ impl JointSet {
             self.joints.iter().map(|s| (size(s) as u8, [moving(s.a), moving(s.b)])).collect();
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
         let n = self.joints.len();
+        self.loaded = self.is_loaded(inv_mass);
         let most = if any(JointSolver::Direct) {
             FILL_ASKED * n + FILL_SMALL
         } else if any(JointSolver::Iterative) {
             0
         } else {
-            FILL_AUTO * n + if self.is_loaded(inv_mass) { FILL_LOADED } else { FILL_SMALL }
+            FILL_AUTO * n + if self.loaded { FILL_LOADED } else { FILL_SMALL }
         };
         self.plan = if most == 0 { None } else { Plan::new(&links, self.bodies.len(), most) };
         self.shared.clear();
@@ -306,7 +309,7 @@ impl JointSet {
     /// Draws the velocities of a torn set towards that of its centre of mass: momentum stays, and what it swings with goes.
     fn calm(&mut self) {
         let (mut p, mut mass) = (Vec3::ZERO, 0.0);
-        for b in self.bodies.iter().filter(|b| b.row != NONE && b.inv_mass.min_component() > 0.0) {
+        for b in self.bodies.iter().filter(|b| b.is_dynamic()) {
             let m = 1.0 / b.inv_mass.x;
             p += b.m.v * m;
             mass += m;
@@ -315,7 +318,7 @@ impl JointSet {
             return;
         }
         let mean = p / mass;
-        for b in self.bodies.iter_mut().filter(|b| b.row != NONE && b.inv_mass.min_component() > 0.0) {
+        for b in self.bodies.iter_mut().filter(|b| b.is_dynamic()) {
             b.m.v += (mean - b.m.v) * CALMING;
             if b.turns {
                 b.m.w -= b.m.w * CALMING;
