@@ -165,6 +165,9 @@ pub struct BenchArgs {
     /// Repeats of each scene, by turns with the other engines [default: 3]
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]
     pub repeats: Option<u64>,
+    /// Time the stages of our step too
+    #[arg(long)]
+    pub profile: bool,
     /// Print one JSON object instead of a Markdown table
     #[arg(long)]
     pub json: bool,

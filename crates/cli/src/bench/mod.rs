@@ -5,6 +5,7 @@
 //! slows the machine for a while slows each of them. Of the repeats the fastest counts.
 
 mod peers;
+mod profile;
 mod quality;
 mod scenes;
 mod terrain;
@@ -14,6 +15,7 @@ use crate::error::{Done, Failure};
 use crate::output::{Table, note, number, print, print_json, progress};
 use jounce::tasks::Tasks;
 use peers::Peer;
+use profile::Profile;
 use quality::Figures;
 use scenes::{SCENES, Scene};
 use serde::Serialize;
@@ -38,6 +40,9 @@ pub(crate) struct Row {
     pub touching: u64,
     /// How well the scene stands at the end.
     pub quality: Figures,
+    /// Milliseconds of each stage of our step in the fastest repeat, where they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stages: Option<Profile>,
     /// Which of these figures the table shows.
     #[serde(skip)]
     pub shown: &'static [&'static str],
@@ -51,6 +56,7 @@ pub(crate) struct Sample {
     pub joints: u64,
     pub touching: u64,
     pub quality: Figures,
+    pub stages: Option<Profile>,
 }
 
 #[derive(Serialize)]
@@ -64,6 +70,8 @@ pub(crate) struct Plan {
     pub steps: usize,
     pub repeats: usize,
     pub threads: u32,
+    /// Times the stages of our step.
+    pub profile: bool,
 }
 
 pub fn bench(a: &BenchArgs) -> Done {
@@ -83,7 +91,7 @@ pub fn bench(a: &BenchArgs) -> Done {
         let own = if a.quick { (scene.steps / 5).max(20) } else { scene.steps };
         let steps = a.steps.map_or(own, |n| n as usize);
         for &threads in &a.threads {
-            rows.extend(side_by_side(scene, &peers, Plan { steps, repeats, threads })?);
+            rows.extend(side_by_side(scene, &peers, Plan { steps, repeats, threads, profile: a.profile })?);
         }
     }
     if a.json {
@@ -92,7 +100,8 @@ pub fn bench(a: &BenchArgs) -> Done {
     note(
         "ratio: on our rows the best rival's time / ours (more is better for us); on theirs our time / theirs",
     );
-    print(&table(&rows).markdown())
+    print(&table(&rows).markdown())?;
+    if a.profile { print(&profile::table(&rows).markdown()) } else { Ok(()) }
 }
 
 /// A scene in this engine and in those of its rivals that know it, in turns.
@@ -120,6 +129,8 @@ fn side_by_side(scene: &Scene, peers: &[Peer], plan: Plan) -> Done<Vec<Row>> {
 fn row(scene: &Scene, engine: &str, plan: Plan, samples: Vec<Sample>) -> Row {
     let mut totals: Vec<f64> = samples.iter().map(|s| s.ms).collect();
     totals.sort_by(f64::total_cmp);
+    let fastest = samples.iter().min_by(|a, b| a.ms.total_cmp(&b.ms));
+    let stages = fastest.and_then(|s| s.stages.clone());
     let end = samples.into_iter().last().unwrap_or_default();
     Row {
         scene: scene.name.into(),
@@ -134,6 +145,7 @@ fn row(scene: &Scene, engine: &str, plan: Plan, samples: Vec<Sample>) -> Row {
         joints: end.joints,
         touching: end.touching,
         quality: end.quality,
+        stages,
         shown: scene.quality.shown(),
     }
 }
@@ -167,10 +179,14 @@ fn ours(scene: &Scene, plan: Plan) -> Done<Sample> {
     let bar = progress(plan.steps as u64 - 1, scene.name);
     before(&mut world, 0)?;
     world.step()?;
+    let mut stages = plan.profile.then(Profile::default);
     let start = Instant::now();
     for k in 1..plan.steps {
         before(&mut world, k)?;
-        world.step()?;
+        match &mut stages {
+            Some(p) => p.step(&mut world)?,
+            None => world.step()?,
+        }
         bar.inc(1);
     }
     let ms = start.elapsed().as_secs_f64() * 1e3;
@@ -182,6 +198,7 @@ fn ours(scene: &Scene, plan: Plan) -> Done<Sample> {
         joints: counts.joints as u64,
         touching: counts.touching as u64,
         quality: scene.quality.read(&world),
+        stages,
     })
 }
 
@@ -231,7 +248,7 @@ mod tests {
     }
 
     fn timed(engine: &str, ms: &[f64]) -> Row {
-        row(&SCENES[0], engine, Plan { steps: 11, repeats: ms.len(), threads: 1 }, samples(ms))
+        row(&SCENES[0], engine, Plan { steps: 11, repeats: ms.len(), threads: 1, profile: false }, samples(ms))
     }
 
     #[test]

@@ -94,6 +94,7 @@ fn sample(text: &str) -> Result<Sample, String> {
         joints: count("joints")?,
         touching: count("touching")?,
         quality: figures.filter_map(|(name, v)| Some((name.clone(), v.as_f64()?))).collect(),
+        stages: None,
     })
 }
 

@@ -1,7 +1,7 @@
 //! Writes the motion of a step back to the frames.
 
 use super::desc::BodyKind;
-use super::solve::{SpeedLimits, settle, turns_freely};
+use super::solve::{SpeedLimits, principal_axes, settle, turns_freely};
 use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
@@ -80,8 +80,9 @@ const LEADS_NOWHERE: f32 = 0.1;
 fn rotation(s: &Motion, turning: &mut Option<Turning>, rotation0: Quat, mass: &Mass) -> Quat {
     match turning {
         Some(t) if t.dq == s.dq && t.rotation == rotation0 => {
-            t.rotation = (t.q * mass.principal.as_dquat().normalize().conjugate()).normalize().as_quat();
+            t.rotation = (t.q * mass.principal.conjugate()).normalize().as_quat();
             t.dq = Quat::IDENTITY;
+            t.frozen = principal_axes(t.rotation, mass);
             t.rotation
         }
         _ => (s.dq * rotation0).normalize(),

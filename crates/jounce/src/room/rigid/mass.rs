@@ -7,7 +7,7 @@ use super::state::{Body, Mass};
 use crate::room::contacts::desc::MassSpec;
 use crate::room::contacts::state::ShapeRecord;
 use jounce_geometry::MassProperties;
-use jounce_math::{DMat3, DQuat, DVec3, Quat, Vec3, scalar::f32s};
+use jounce_math::{DMat3, DQuat, DVec3, Vec3, scalar::f32s};
 
 /// Mass properties of a shape at its pose on the body; `None` where it has no volume or no mass.
 fn shape_mass(s: &ShapeRecord) -> Option<(f64, DVec3, DMat3)> {
@@ -55,7 +55,7 @@ pub(crate) fn prepare<'a>(
         (Some(p), BodyKind::Dynamic) => p.center,
         _ => Vec3::ZERO,
     };
-    let mut m = Mass { principal: Quat::IDENTITY, isotropic: true, ..Mass::default() };
+    let mut m = Mass { principal: DQuat::IDENTITY, isotropic: true, ..Mass::default() };
     m.inner_radius = f32::MAX;
     for s in shapes.filter(|s| !s.sensor) {
         let c = s.pose.inverse_transform_point(center);
@@ -77,7 +77,8 @@ pub(crate) fn prepare<'a>(
         m.inv_inertia = inv.as_mat3();
     }
     m.moments = moments;
-    m.principal = DQuat::from_mat3(&frame).as_quat();
+    m.inv_moments = DVec3::new(1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z);
+    m.principal = DQuat::from_mat3(&frame).normalize();
     let (lo, hi) = (moments.min_component(), moments.max_component());
     m.isotropic = hi - lo <= 1e-5 * hi;
     (m, center)

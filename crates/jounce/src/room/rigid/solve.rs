@@ -112,7 +112,8 @@ pub(crate) fn integrate_position(
     let w2 = s.w.length_squared();
     let limit = sub.limits.spin_of(b, &bodies[b.body]);
     if turns_freely(b) && w2 >= SPIN_MIN_SQUARED {
-        let keep = 1.0 / (1.0 + f64::from(sub.h * b.angular_damping));
+        let damping = sub.h * b.angular_damping;
+        let keep = if damping == 0.0 { 1.0 } else { 1.0 / (1.0 + f64::from(damping)) };
         torque_free(
             &mut s,
             turning,
@@ -155,7 +156,7 @@ fn apply_locks(s: &mut Motion, locks: u8) {
     }
 }
 
-/// Half angle reduced to a radian, where the rational tan holds, and how often to repeat it.
+/// A half angle within a radian, where the rational tan holds, and how often to repeat it.
 #[inline(always)]
 fn reduced(mut x: f64) -> (f64, u32) {
     let mut turns = 1;
@@ -166,27 +167,27 @@ fn reduced(mut x: f64) -> (f64, u32) {
     (x, turns)
 }
 
-/// tan x for |x| ≤ 1, rational.
+/// tan x = x y/z for |x| ≤ 1, rational; z within 0.6..1.
 #[inline(always)]
-fn tan(x: f64) -> f64 {
-    let x2 = x * x;
-    x * (15.0 - x2) / (15.0 - 6.0 * x2)
+fn tan(x2: f64) -> (f64, f64) {
+    (1.0 - x2 * (1.0 / 15.0), 1.0 - x2 * 0.4)
 }
 
-/// Turns `l` (body axes) and `q` about principal axis `i` by the angle ℓᵢ h d.
+/// Turns `l` (body axes) and `q` about principal axis `i` by the angle ℓᵢ h d. `q` is no unit quaternion afterwards: the turn by a half angle
+/// of tangent y/z is (y, z), but for its length, which costs a root.
 #[inline(always)]
 fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, d: f64, h: f64) {
     let (x, turns) = reduced(0.5 * l[i] * d * h);
-    let t = tan(x);
-    let n = 1.0 / (1.0 + t * t);
-    let (c, s) = ((1.0 - t * t) * n, 2.0 * t * n);
+    let (y, z) = tan(x * x);
+    let y = x * y;
+    let n = 1.0 / (z * z + y * y);
+    let (c, s) = ((z * z - y * y) * n, 2.0 * y * z * n);
     let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-    let m = n.sqrt();
-    let mut d = DQuat::new(0.0, 0.0, 0.0, m);
+    let mut d = DQuat::new(0.0, 0.0, 0.0, z);
     match i {
-        0 => d.x = t * m,
-        1 => d.y = t * m,
-        _ => d.z = t * m,
+        0 => d.x = y,
+        1 => d.y = y,
+        _ => d.z = y,
     }
     for _ in 0..turns {
         // The body turns by +φ, so its view of the constant L turns by −φ.
@@ -197,27 +198,27 @@ fn turn_about(i: usize, l: &mut DVec3, q: &mut DQuat, d: f64, h: f64) {
     }
 }
 
-/// The turn by the rotation vector `r` (radians), rational.
+/// The turn by the rotation vector `r` (radians), rational, but for its length.
 #[inline(always)]
 fn turn_by(r: DVec3) -> DQuat {
-    let angle = r.length();
-    if angle == 0.0 {
-        return DQuat::IDENTITY;
+    let mut turns = 1;
+    let (mut half, mut x2) = (r * 0.5, 0.25 * r.dot(r));
+    while x2 > 1.0 && turns < 64 {
+        (half, x2) = (half * 0.5, 0.25 * x2);
+        turns *= 2;
     }
-    let (x, turns) = reduced(0.5 * angle);
-    let t = tan(x);
-    let v = r * (t / angle);
-    let step = DQuat::new(v.x, v.y, v.z, 1.0).normalize();
-    let mut q = DQuat::IDENTITY;
-    for _ in 0..turns {
+    let (y, z) = tan(x2);
+    let step = DQuat::new(half.x * y, half.y * y, half.z * y, z);
+    let mut q = step;
+    for _ in 1..turns {
         q = step * q;
     }
     q
 }
 
-/// Axes of the largest and the smallest moment, and the middle moment.
+/// Axes of the largest and the smallest moment, and of the middle one.
 #[inline(always)]
-fn outer_axes(m: DVec3) -> (usize, usize, f64) {
+fn outer_axes(m: DVec3) -> (usize, usize, usize) {
     let middle = if (m.x >= m.y) == (m.x <= m.z) {
         0
     } else if (m.y >= m.x) == (m.y <= m.z) {
@@ -225,27 +226,35 @@ fn outer_axes(m: DVec3) -> (usize, usize, f64) {
     } else {
         2
     };
-    ((middle + 1) % 3, (middle + 2) % 3, m[middle])
+    ((middle + 1) % 3, (middle + 2) % 3, middle)
 }
 
-/// Angular momentum now: what the last turn left, and what impulses have added since through the frozen inertia.
-fn momentum(w: Vec3, dq: Quat, memory: Option<&Turning>, mass: &Mass, rotation: Quat) -> (DVec3, DQuat) {
-    let frame = mass.principal.as_dquat().normalize();
+/// World from principal axes.
+pub(super) fn principal_axes(rotation: Quat, mass: &Mass) -> DQuat {
+    (rotation.as_dquat() * mass.principal).normalize()
+}
+
+/// Angular momentum now: what the last turn left, and what impulses have added since through the frozen inertia; with the rotation of the
+/// principal axes now, and as it is frozen.
+#[inline(always)]
+fn momentum(
+    w: Vec3,
+    dq: Quat,
+    memory: Option<&Turning>,
+    mass: &Mass,
+    rotation: Quat,
+) -> (DVec3, DQuat, DQuat) {
     // While nothing else turned the body since the last turn, its rotation and momentum are known exactly.
     if let Some(t) = memory.filter(|t| t.rotation == rotation && t.dq == dq) {
         if t.w == w {
-            return (t.momentum, t.q);
+            return (t.momentum, t.q, t.frozen);
         }
-        let frozen = (rotation.as_dquat() * frame).normalize();
-        let change = frozen.inverse_rotate(w.as_dvec3() - t.w.as_dvec3()).mul(mass.moments);
-        return (t.momentum + frozen.rotate(change), t.q);
+        let change = t.frozen.inverse_rotate(w.as_dvec3() - t.w.as_dvec3()).mul(mass.moments);
+        return (t.momentum + t.frozen.rotate(change), t.q, t.frozen);
     }
-    let q = (dq.as_dquat() * rotation.as_dquat() * frame).normalize();
-    (q.rotate(q.inverse_rotate(w.as_dvec3()).mul(mass.moments)), q)
-}
-
-fn inverse(m: DVec3) -> DVec3 {
-    DVec3::new(1.0 / m.x, 1.0 / m.y, 1.0 / m.z)
+    let frozen = principal_axes(rotation, mass);
+    let q = (dq.as_dquat() * frozen).normalize();
+    (q.rotate(q.inverse_rotate(w.as_dvec3()).mul(mass.moments)), q, frozen)
 }
 
 fn torque_free(
@@ -257,29 +266,29 @@ fn torque_free(
     keep: f64,
     limit: f32,
 ) {
-    let (world, mut q) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
-    let inv = inverse(mass.moments);
-    let mut world = world * keep;
+    let (mut world, mut q, frozen) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
+    let inv = mass.inv_moments;
+    world = world * keep;
     let mut l = q.inverse_rotate(world);
-    let speed = l.mul(inv).length();
-    if speed > f64::from(limit) {
-        let scale = f64::from(limit) / speed;
-        (world, l) = (world * scale, l * scale);
+    let (w, limit) = (l.mul(inv), f64::from(limit));
+    let w2 = w.dot(w);
+    let mut before = q.rotate(w);
+    if w2 > limit * limit {
+        let scale = limit / w2.sqrt();
+        (world, l, before) = (world * scale, l * scale, before * scale);
     }
-    let before = q.rotate(l.mul(inv));
     let h64 = f64::from(h);
     let (i, k, middle) = outer_axes(mass.moments);
-    let (di, dk) = (inv[i] - 1.0 / middle, inv[k] - 1.0 / middle);
+    let (di, dk) = (inv[i] - inv[middle], inv[k] - inv[middle]);
     turn_about(i, &mut l, &mut q, di, 0.5 * h64);
     turn_about(k, &mut l, &mut q, dk, h64);
     turn_about(i, &mut l, &mut q, di, 0.5 * h64);
-    let q = (turn_by(world * (h64 / middle)) * q).normalize();
+    let q = (turn_by(world * (h64 * inv[middle])) * q).normalize();
     let w = q.rotate(q.inverse_rotate(world).mul(inv));
     s.dr += ((before + w) * (0.5 * h64)).as_vec3();
-    let frame = mass.principal.as_dquat().normalize();
-    s.dq = (q * (rotation.as_dquat() * frame).conjugate()).normalize().as_quat();
+    s.dq = (q * frozen.conjugate()).as_quat();
     s.w = w.as_vec3();
-    *memory = Some(Turning { momentum: world, w: s.w, q, rotation, dq: s.dq });
+    *memory = Some(Turning { momentum: world, w: s.w, q, rotation, dq: s.dq, frozen });
 }
 
 /// Takes over a change of ω that came through the inertia of the moment, not the frozen one.
@@ -297,13 +306,13 @@ pub(crate) fn absorb(s: &Motion, memory: &mut Option<Turning>, mass: &Mass, rota
 
 /// After the last substep: impulses that came since its turn become momentum, and ω follows.
 pub(crate) fn settle(s: &mut Motion, memory: &mut Option<Turning>, mass: &Mass, rotation: Quat) {
-    let (world, q) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
+    let (world, q, _) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
     if let Some(t) = memory
         && t.rotation == rotation
         && t.dq == s.dq
         && t.w != s.w
     {
-        s.w = q.rotate(q.inverse_rotate(world).mul(inverse(mass.moments))).as_vec3();
+        s.w = q.rotate(q.inverse_rotate(world).mul(mass.inv_moments)).as_vec3();
         (t.momentum, t.w) = (world, s.w);
     }
 }

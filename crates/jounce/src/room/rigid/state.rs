@@ -63,9 +63,10 @@ pub(crate) struct Mass {
     pub inv_inertia: Mat3,
     /// Inertia likewise.
     pub inertia: Mat3,
-    /// Principal moments (f64: the torque-free turn needs them exact) and the principal frame in body axes.
+    /// Principal moments and their inverses (f64: the torque-free turn needs them exact) and the principal frame in body axes.
     pub moments: DVec3,
-    pub principal: Quat,
+    pub inv_moments: DVec3,
+    pub principal: DQuat,
     /// All moments equal within 1e-5: no gyroscopic torque.
     pub isotropic: bool,
     /// Distance from the centre of mass to the nearest surface of the smallest shape, metres.
@@ -227,6 +228,8 @@ pub(crate) struct Turning {
     /// The body's rotation at the start of the step, and since then, that belong to `q`.
     pub rotation: Quat,
     pub dq: Quat,
+    /// World from principal axes at the start of the step: that of `rotation`.
+    pub frozen: DQuat,
 }
 
 /// World inverse inertia, frozen for contacts within a step: xx, yy, zz, xy, xz, yz.
