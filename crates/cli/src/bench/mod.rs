@@ -248,7 +248,12 @@ mod tests {
     }
 
     fn timed(engine: &str, ms: &[f64]) -> Row {
-        row(&SCENES[0], engine, Plan { steps: 11, repeats: ms.len(), threads: 1, profile: false }, samples(ms))
+        row(
+            &SCENES[0],
+            engine,
+            Plan { steps: 11, repeats: ms.len(), threads: 1, profile: false },
+            samples(ms),
+        )
     }
 
     #[test]

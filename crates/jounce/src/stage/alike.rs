@@ -239,7 +239,7 @@ pub(super) fn finish(
                     broke.push((s.id, j.force.length(), j.torque.length()));
                 }
                 if let JointKind::Hinge(_) = j.desc.kind {
-                    j.coordinate = hinge::angle(&e, j.coordinate).c;
+                    j.coordinate = hinge::angle(e.twist(), j.coordinate).c;
                 }
             }
         }

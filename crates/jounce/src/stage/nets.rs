@@ -157,7 +157,7 @@ pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
                     };
                     let (fa, fb) = (&world.frames[j.body_a as usize], &world.frames[j.body_b as usize]);
                     let e = Ends::now(&Start::new(j, fa, fb), &state(j.body_a), &state(j.body_b));
-                    j.coordinate = hinge::angle(&e, j.coordinate).c;
+                    j.coordinate = hinge::angle(e.twist(), j.coordinate).c;
                 }
             }
         }

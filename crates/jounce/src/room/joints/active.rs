@@ -6,6 +6,7 @@
 //! Motors and friction may come back in the first rounds alone; ends one at a time after some, and brake where that takes too long: so it ends.
 
 use super::desc::LimitDesc;
+use super::direct::Plan;
 use super::extra::{Duty, Sweep};
 use super::local::Local;
 use super::place::GAP;
@@ -28,10 +29,17 @@ const ROUNDING: f32 = 1e-6;
 const LOOP_SLACK: f32 = 1e-5;
 /// Bend that is looked at, s of correction: 1 mm.
 pub(super) const BEND: f32 = 1e-4;
-/// Part of the kinetic energy that a pass may spend on bend, and in a loaded set on errors.
-const COST: f64 = 0.1;
+/// Part of the kinetic energy that a pass may spend on bend, and in a tight set on errors.
+const COST: f64 = 0.01;
 /// Speed that every body is taken to have at least, m/s, squared: what hangs still is put right too.
-const STILL: f64 = 0.1;
+const STILL: f64 = 1.0;
+/// Of the bend that is looked at, and of the gap from which places are put right, in a tight set.
+const TIGHT: f32 = 0.05;
+/// Newton's steps beyond the first, the error ahead that asks for one, s of correction: 0.01 mm; and the part of the kinetic energy that one may
+/// spend.
+const AGAIN: usize = 4;
+const MISS: f32 = 1e-6;
+const AGAIN_COST: f64 = 0.1;
 /// Stands for all ends.
 const ENDS: Duty = Duty::Limit(LimitDesc::new(0.0, 0.0));
 
@@ -88,6 +96,7 @@ impl JointSet {
     /// Right sides for the present velocities: −C(t + h)/h to solve, −J u to relax.
     fn residuals(&mut self, k: &Constants, sweep: Sweep) {
         let Some(plan) = &self.plan else { return };
+        let tight = self.is_tight();
         for (i, s) in self.joints.iter().enumerate() {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
@@ -105,8 +114,7 @@ impl JointSet {
                     v + gives * s.lambda[c] + pull
                 } else {
                     // Errors that a teleport left are taken back at a bounded speed.
-                    let error =
-                        if self.straight && self.loaded { 0.0 } else { limited(row.c, k.correct * k.h) };
+                    let error = if self.straight && tight { 0.0 } else { limited(row.c, k.correct * k.h) };
                     let bend = s.bend[c];
                     if plan.has_loops() {
                         // Rows that say again what others say would fight about rounding for ever.
@@ -129,23 +137,52 @@ impl JointSet {
     /// Where the way of the substep bends much, that is judged only once the velocities fit the joints: what a blow has left of a limb's spin on
     /// a long lever would ask for ten times what it needs.
     pub(super) fn direct(&mut self, joints: &Joints, k: &Constants, sweep: Sweep) {
-        let open = self.loaded && self.is_open(GAP * k.correct);
-        if sweep == Sweep::Solve && (open || self.bends(joints, k)) {
+        let tight = self.is_tight();
+        let part = if tight { TIGHT } else { 1.0 };
+        let open = tight && self.is_open(part * GAP * k.correct);
+        if sweep == Sweep::Solve && (open || self.bends(joints, part, k)) {
             self.straight = true;
             self.rounds(joints, k, sweep);
             self.straight = false;
             self.rounds(joints, k, sweep);
-            self.moderate();
+            self.moderate(COST);
         } else {
             self.rounds(joints, k, sweep);
         }
+        let plain = sweep == Sweep::Solve && !tight;
+        for _ in 0..if plain { AGAIN } else { 0 } {
+            if !self.misses(joints, k) {
+                return;
+            }
+            self.rounds(joints, k, sweep);
+            if self.moderate(AGAIN_COST) {
+                return;
+            }
+        }
     }
 
-    /// Takes back what the bend asked for beyond a part of the energy there is, along with the errors of a loaded set: u ← u₀ + s (u − u₀), with
+    /// May forces along where the joints were at the start of the substep have no answer? Between a load and a hook, or around a loop, what is taut
+    /// makes way for a light body that crosses it only by what is not light, or not at all.
+    fn is_tight(&self) -> bool {
+        self.loaded || self.plan.as_ref().is_some_and(Plan::has_loops)
+    }
+
+    /// Will some point be off by more than [`MISS`] after the substep?
+    fn misses(&self, joints: &Joints, k: &Constants) -> bool {
+        let (most, limit) = (MISS * k.correct, k.correct * k.h);
+        self.joints.iter().filter(|s| s.soft.is_none() && s.active).any(|s| {
+            let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
+            let ahead = s.ahead(&joints.table[s.id], a, b, k);
+            let n = if s.rod { 1 } else { s.hard.n };
+            (0..n).any(|i| ahead.rows[i].c.abs() > most && s.hard.rows[i].c.abs() < limit)
+        })
+    }
+
+    /// Takes back what the bend asked for beyond a part of the energy there is, along with the errors of a tight set: u ← u₀ + s (u − u₀), with
     /// u₀ where the pass began and s² = c |u₀|²/|u − u₀|² in the metric of the masses, of a free set against its centre of mass. A light
     /// body that crosses a taut rope at 100 m/s is to be stopped by the rope; along the rope as it was, only the load at its
     /// other end could make room for it, at 40 m/s. What is left of the bend is put right as places are.
-    fn moderate(&mut self) {
+    fn moderate(&mut self, most: f64) -> bool {
         let mean = self.drift();
         let (mut cost, mut energy) = (0.0, 0.0);
         for b in self.bodies.iter().filter(|b| b.is_dynamic()) {
@@ -159,10 +196,10 @@ impl JointSet {
                 energy += f64::from(w.dot(*i * w));
             }
         }
-        if cost <= COST * energy {
-            return;
+        if cost <= most * energy {
+            return false;
         }
-        let part = (COST * energy / cost).sqrt() as f32;
+        let part = (most * energy / cost).sqrt() as f32;
         for b in &mut self.bodies {
             let [v, w] = b.before;
             (b.m.v, b.m.w) = (v + (b.m.v - v) * part, w + (b.m.w - w) * part);
@@ -175,6 +212,7 @@ impl JointSet {
                 x.impulse = x.before + (x.impulse - x.before) * part;
             }
         }
+        true
     }
 
     /// Velocity of the centre of mass where the pass began; 0 of a set that is not free.
@@ -191,8 +229,8 @@ impl JointSet {
     }
 
     /// Does the way of some point bend by more than [`BEND`] in the substep?
-    fn bends(&self, joints: &Joints, k: &Constants) -> bool {
-        let most = BEND * k.correct;
+    fn bends(&self, joints: &Joints, part: f32, k: &Constants) -> bool {
+        let most = part * BEND * k.correct;
         self.joints.iter().filter(|s| s.soft.is_none() && s.active).any(|s| {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
             let ahead = s.ahead(&joints.table[s.id], a, b, k);

@@ -160,7 +160,8 @@ impl World {
             }
             JointKind::Gear { .. } => j.coordinate,
             JointKind::Ball(_) => e.cone().c,
-            _ => super::hinge::angle(&e, j.coordinate).c,
+            JointKind::Generic { angular, .. } => super::generic::coordinate(angular, &e, j.coordinate).c,
+            _ => super::hinge::angle(e.twist(), j.coordinate).c,
         }
     }
 

@@ -11,20 +11,19 @@ use super::rows::{Ends, Hard, Row};
 
 pub(crate) fn rows(e: &Ends, out: &mut Hard) {
     super::ball::rows(e, out);
-    out.push(e.across(1));
-    out.push(e.across(2));
+    out.push(e.across(0, 1));
+    out.push(e.across(0, 2));
 }
 
 /// θ next to where it was last.
-pub(crate) fn angle(e: &Ends, last: f32) -> Row {
-    let mut row = e.twist();
+pub(crate) fn angle(mut row: Row, last: f32) -> Row {
     let turn = 2.0 * core::f32::consts::PI;
     row.c += turn * ((last - row.c) / turn).round();
     row
 }
 
 pub(crate) fn extras(axis: &AxisDesc, e: &Ends, coordinate: &mut f32, out: &mut Extras<'_>) {
-    let row = angle(e, *coordinate);
+    let row = angle(e.twist(), *coordinate);
     *coordinate = row.c;
     out.axis(axis, row);
 }

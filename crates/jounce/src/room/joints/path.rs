@@ -3,12 +3,13 @@
 //! Curve: centripetal-free (uniform) Catmull–Rom through points P_k in A's joint frame, P(s), tangent T(s) = P′/|P′|. The bead's
 //! coordinate is the s at which P is nearest the anchor of B: T·(p_b − P) = 0. Rows along the two normals n of T: with p = P(s) as
 //! the anchor on A, C = n·(p_b − P), J = (−n, −(r_p + d) × n, n, r_b × n); that s moves with the bead adds nothing, since n·T = 0.
-//! Where it is aligned, the frame (T, up, ·) takes the place of A's axes in the rows that stop all turning.
+//! Where it is aligned, the frame F = (T, up, ·) takes the place of A's axes in the rows that stop all turning, C = 2 v_i of F⁻¹ q_b. It turns
+//! by Ω ds/dt as the bead moves: J = j·(ω_b − ω_a) − (j·Ω) ds/dt, ds/dt = T·d(p_b − P)/dt. (Without that term the rails did work.)
 //!
 //! Symbols: s length from the first point, m. Source: Catmull & Rom, A class of local interpolating splines, 1974.
 
 use super::desc::PathDesc;
-use super::rows::{Ends, Hard};
+use super::rows::{Ends, Hard, Row};
 use jounce_math::{Mat3, Quat, Vec3, scalar::f32s};
 
 /// Pieces a segment of the curve is cut into to measure its length.
@@ -60,6 +61,11 @@ impl Curve {
     }
     /// Position and derivative at a parameter that counts segments.
     fn at(&self, t: f32) -> (Vec3, Vec3) {
+        let (p, v, _) = self.bent(t);
+        (p, v)
+    }
+    /// The same, and the second derivative.
+    fn bent(&self, t: f32) -> (Vec3, Vec3, Vec3) {
         let last = self.segments() as f32;
         let t = f32s::clamp(t, 0.0, last);
         let k = f32s::min(t.floor(), last - 1.0);
@@ -72,7 +78,8 @@ impl Curve {
             + c * (3.0 * u2 - 2.0 * u3)
             + m1 * (u3 - u2);
         let v = (b - c) * (6.0 * (u2 - u)) + m0 * (3.0 * u2 - 4.0 * u + 1.0) + m1 * (3.0 * u2 - 2.0 * u);
-        (p, v)
+        let bend = (b - c) * (12.0 * u - 6.0) + m0 * (6.0 * u - 4.0) + m1 * (6.0 * u - 2.0);
+        (p, v, bend)
     }
     /// The ends of all pieces.
     pub fn points(&self) -> impl Iterator<Item = Vec3> + '_ {
@@ -130,37 +137,67 @@ impl Curve {
         }
         self.nearest(x, best.1)
     }
-    /// Position and tangent at a length.
-    pub fn place(&self, s: f32) -> (Vec3, Vec3) {
+    /// Position, tangent and its derivative along the curve, at a length.
+    pub fn place(&self, s: f32) -> (Vec3, Vec3, Vec3) {
         let total = self.length();
         let s = if self.closed && total > 0.0 { s - (s / total).floor() * total } else { s };
-        let (p, v) = self.at(self.parameter(s));
+        let (p, v, bend) = self.bent(self.parameter(s));
         let n = v.length();
-        (p, if n > 0.0 { v / n } else { Vec3::X })
+        if n <= 0.0 {
+            return (p, Vec3::X, Vec3::ZERO);
+        }
+        let t = v / n;
+        (p, t, (bend - t * t.dot(bend)) / (n * n))
     }
 }
 
-/// The frame that slides along the curve with the bead, in place of A's: `s` is its coordinate.
-pub(crate) fn slide(curve: &Curve, e: &Ends, s: &mut f32) -> Ends {
+/// Where a bead is: the frame that slides along the curve with it, in place of A's, and how that turns along the way, rad/m.
+pub(crate) struct Slid {
+    pub ends: Ends,
+    bend: Vec3,
+}
+
+/// `s` is the bead's coordinate.
+pub(crate) fn slide(curve: &Curve, e: &Ends, s: &mut f32) -> Slid {
     *s = curve.nearest(e.qa.inverse_rotate(e.d), *s);
-    let (p, t) = curve.place(*s);
+    let (p, t, dt) = curve.place(*s);
     let lever = e.qa.rotate(p);
-    let q = frame(t);
-    Ends { ra: e.ra + lever, d: e.d - lever, qa: e.qa * q, ..*e }
+    let (q, bend) = frame(t, dt);
+    let ends = Ends { ra: e.ra + lever, d: e.d - lever, qa: e.qa * q, ..*e };
+    Slid { ends, bend: e.qa.rotate(bend) }
 }
 
-/// x along the tangent, y as far up as it can be.
-fn frame(t: Vec3) -> Quat {
+/// x along the tangent, y as far up as it can be; and Ω = ½ Σ e_i × e_i′, by which it turns along the way.
+fn frame(t: Vec3, dt: Vec3) -> (Quat, Vec3) {
     let up = if t.y.abs() < 0.999 { Vec3::Y } else { Vec3::X };
-    let z = t.cross(up).normalize_or(Vec3::Z);
-    Quat::from_mat3(&Mat3::from_columns(t, z.cross(t), z)).normalize()
+    let (across, d_across) = (t.cross(up), dt.cross(up));
+    let size = across.length();
+    if size <= 0.0 {
+        return (Quat::IDENTITY, Vec3::ZERO);
+    }
+    let z = across / size;
+    let dz = (d_across - z * z.dot(d_across)) / size;
+    let (y, dy) = (z.cross(t), dz.cross(t) + z.cross(dt));
+    let q = Quat::from_mat3(&Mat3::from_columns(t, y, z)).normalize();
+    (q, (t.cross(dt) + y.cross(dy) + z.cross(dz)) * 0.5)
 }
 
-/// Two rows across the curve, and three where it leads the frame too.
-pub(crate) fn rows(aligned: bool, slid: &Ends, out: &mut Hard) {
-    out.push(slid.along(slid.axis_a(1)));
-    out.push(slid.along(slid.axis_a(2)));
+/// Two rows across the curve, and three where it leads the frame too: those turn by Ω ds/dt, and ds/dt is the bead's speed.
+pub(crate) fn rows(aligned: bool, slid: &Slid, out: &mut Hard) {
+    let e = &slid.ends;
+    out.push(e.along(e.axis_a(1)));
+    out.push(e.along(e.axis_a(2)));
     if aligned {
-        slid.no_turn().into_iter().for_each(|r| out.push(r));
+        let along = e.along(e.axis_a(0));
+        for r in e.no_turn() {
+            let part = -r.jb.dot(slid.bend);
+            out.push(Row {
+                la: along.la * part,
+                ja: r.ja + along.ja * part,
+                lb: along.lb * part,
+                jb: r.jb + along.jb * part,
+                c: r.c,
+            });
+        }
     }
 }

@@ -40,7 +40,7 @@ impl JointSet {
         };
         let direct = self.plan.is_some();
         let mut way = 0.0;
-        for _ in 0..if direct { PLACINGS } else { 4 * PLACINGS } {
+        for _ in 0..if direct { PLACINGS_ALONE } else { 4 * PLACINGS } {
             self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
             for s in self.joints.iter_mut().filter(|s| s.rod) {
                 s.give_way[1..3].fill(f32::INFINITY);
@@ -59,18 +59,20 @@ impl JointSet {
                     s.hold(&mut self.bodies, &k, Sweep::Place, true);
                 }
             }
-            way = 0.0;
+            let moving = || self.bodies.iter().filter(|b| b.row != NONE);
+            way = moving().map(|b| f32s::max(b.m.v.length(), b.m.w.length())).fold(0.0, f32s::max);
+            let part = f32s::min(FARTHEST / way, 1.0);
             for b in self.bodies.iter_mut().filter(|b| b.row != NONE) {
-                b.m.dp += b.m.v;
-                b.m.dr += b.m.w;
-                b.m.dq = (turned(b.m.w) * b.m.dq).normalize();
-                way = f32s::max(way, f32s::max(b.m.v.length_squared(), b.m.w.length_squared()));
+                let (v, w) = (b.m.v * part, b.m.w * part);
+                b.m.dp += v;
+                b.m.dr += w;
+                b.m.dq = (turned(w) * b.m.dq).normalize();
             }
-            if way < PLACED * PLACED {
+            if way < PLACED {
                 break;
             }
         }
-        way.sqrt()
+        way
     }
 
     /// Ends of turns that the motion of the substep has passed are put back at once, and points that it has parted: who runs along the rim
@@ -163,7 +165,10 @@ pub(super) const BEYOND: f32 = 0.01;
 pub(super) const GAP: f32 = 2e-4;
 pub(super) const OPEN: f32 = 0.02;
 /// The last of Newton's steps where they have a solution, m or rad.
-pub(super) const NEAR: f32 = 1e-3;
-/// Newton's steps at most, and the way that ends them, m and rad.
+pub(crate) const NEAR: f32 = 1e-3;
+/// Newton's steps at most in lanes and alone, and the way that ends them, m and rad.
 pub(super) const PLACINGS: usize = 8;
+const PLACINGS_ALONE: usize = 24;
+/// The way of one of them at most: what would go further is far from where its rows were measured.
+const FARTHEST: f32 = 0.2;
 const PLACED: f32 = 1e-6;

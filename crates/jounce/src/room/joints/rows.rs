@@ -5,6 +5,8 @@
 //!
 //! * along n, fixed in A: C = n·d, J = (−n, −(r_a + d) × n, n, r_b × n);
 //! * x_b stays across y_a: C = y_a·x_b, J = (0, −j, 0, j), j = x_b × y_a;
+//! * swing about y or z: Σ = θ n, n = x_a × x_b/sin θ, the rotation vector from x_a to x_b; C = e·Σ, and with t = n × x_a
+//!   j = (e·n) n − (e·t) (θ/sin θ) x_b × n;
 //! * no turn: q = q_a⁻¹ q_b = (v, w), C = 2 v_i, j = q_a (w e_i + v × e_i);
 //! * twist about x: C = 2 atan2(v_x, w), j = (x_a + x_b) / (1 + x_a·x_b);
 //!   where the two x may come to point apart: C = m + f (φ − m), f from 1 at a swing of 150° to 0 at 180°, with s = 1 + x_a·x_b,
@@ -127,20 +129,25 @@ impl Ends {
         let v = q.xyz();
         [0, 1, 2].map(|i| Row::turn(self.qa.rotate(unit(i) * q.w + v.cross(unit(i))), 2.0 * v[i]))
     }
-    /// x_b across A's axis `i` (1: about −z, 2: about y).
+    /// B's axis `axis` across A's axis `i`.
     #[inline(always)]
-    pub fn across(&self, i: usize) -> Row {
-        let (x, n) = (self.axis_b(0), self.axis_a(i));
+    pub fn across(&self, axis: usize, i: usize) -> Row {
+        let (x, n) = (self.axis_b(axis), self.axis_a(i));
         Row::turn(x.cross(n), n.dot(x))
     }
     /// Twist of B against A about x, within ±π.
     #[inline(always)]
     pub fn twist(&self) -> Row {
+        self.twist_about(0)
+    }
+    /// The same about another axis.
+    #[inline(always)]
+    pub fn twist_about(&self, axis: usize) -> Row {
         let q = self.relative();
-        let (xa, xb) = (self.axis_a(0), self.axis_b(0));
+        let (xa, xb) = (self.axis_a(axis), self.axis_b(axis));
         let s = 1.0 + xa.dot(xb);
         let j = if s > 1e-2 { (xa + xb) / s } else { xa };
-        Row::turn(j, 2.0 * f32s::atan2(q.x, q.w))
+        Row::turn(j, 2.0 * f32s::atan2(q.xyz()[axis], q.w))
     }
     /// The twist about `middle`, which fades out where the two x axes come to point apart.
     pub fn fading_twist(&self, middle: f32) -> Row {
@@ -159,13 +166,23 @@ impl Ends {
         let from = from - 2.0 * half * (from / (2.0 * half)).round();
         Row::turn(j * f + xb.cross(xa) * (from * slope), middle + f * from)
     }
-    /// Swing about A's z (2) or y (1), within ±90°.
+    /// Do the x axes point apart so far that their twist is about to have no value?
+    pub fn points_back(&self) -> bool {
+        1.0 + self.axis_a(0).dot(self.axis_b(0)) < FADES
+    }
+    /// Swing about A's y (1) or z (2): that part of the rotation vector Σ that takes x_a to x_b the shorter way.
     pub fn swing(&self, i: usize) -> Row {
-        let (across, sign) = if i == 2 { (1, 1.0) } else { (2, -1.0) };
-        let row = self.across(across);
-        let s = f32s::clamp(row.c, -1.0, 1.0);
-        let cos = f32s::max((1.0 - s * s).sqrt(), 0.05);
-        Row::turn(row.jb * (sign / cos), sign * f32s::asin(s))
+        let (xa, xb, e) = (self.axis_a(0), self.axis_b(0), self.axis_a(i));
+        let across = xa.cross(xb);
+        let s = across.length();
+        if s < 1e-6 {
+            return Row::turn(e, 0.0);
+        }
+        let (n, angle) = (across / s, f32s::atan2(s, xa.dot(xb)));
+        let t = n.cross(xa);
+        // Where they point apart, the way around has no end.
+        let stretch = f32s::min(angle / s, STRETCHED);
+        Row::turn(n * e.dot(n) - xb.cross(n) * (e.dot(t) * stretch), angle * e.dot(n))
     }
     /// Angle of the two x axes.
     pub fn cone(&self) -> Row {
@@ -190,6 +207,8 @@ impl Ends {
     }
 }
 
+/// θ/sin θ at most: at some 160°.
+const STRETCHED: f32 = 8.0;
 /// 1 + x_a·x_b from which a twist fades: a swing of 150°.
 const FADES: f32 = 0.134;
 

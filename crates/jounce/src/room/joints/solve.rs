@@ -168,7 +168,7 @@ impl Solve {
             }
             JointKind::Path(p) => {
                 if let Some(curve) = &j.curve {
-                    let slid = path::slide(curve, e, coordinate);
+                    let slid = path::slide(curve, e, coordinate).ends;
                     let mut row = slid.along(slid.axis_a(0));
                     row.c = *coordinate;
                     out.axis(&p.axis, row);

@@ -111,7 +111,7 @@ impl<'a> JointRef<'a> {
                 Vec3::new(x, y, e.along(e.axis_a(2)).c).length()
             }
             JointKind::Path(_) => self.joint.curve.as_ref().map_or(0.0, |curve| {
-                let slid = super::path::slide(curve, &e, &mut { self.joint.coordinate });
+                let slid = super::path::slide(curve, &e, &mut { self.joint.coordinate }).ends;
                 [1, 2].map(|i| slid.along(slid.axis_a(i)).c).iter().map(|c| c * c).sum::<f32>().sqrt()
             }),
             JointKind::Pulley { wheel_a, wheel_b, ratio, length } => {

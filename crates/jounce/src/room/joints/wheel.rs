@@ -15,9 +15,9 @@ pub(crate) fn rows(suspension: &AxisDesc, steer: &AxisDesc, e: &Ends, out: &mut 
     if suspension.locked {
         out.push(e.along(e.axis_a(1)));
     }
-    out.push(e.across(1));
+    out.push(e.across(0, 1));
     if steer.locked {
-        out.push(e.across(2));
+        out.push(e.across(0, 2));
     }
 }
 
@@ -25,7 +25,7 @@ pub(crate) fn extras(axes: [&AxisDesc; 3], e: &Ends, coordinate: &mut f32, out: 
     let [suspension, spin, steer] = axes;
     out.axis(suspension, e.along(e.axis_a(1)));
     out.axis(steer, e.swing(1));
-    let mut row = super::hinge::angle(e, *coordinate);
+    let mut row = super::hinge::angle(e.twist(), *coordinate);
     *coordinate = row.c;
     // About the axle itself: a steered wheel spins about where it points.
     row.jb = e.axis_b(0);
