@@ -576,6 +576,7 @@ impl World {
             raised: 1.0,
             target: None,
             guided: false,
+            room: 0.0,
         });
         self.awake.turning.push(None);
         self.awake.inertia.push(InvInertia::default());
@@ -671,6 +672,10 @@ impl World {
         } else {
             let fat = self.fat_bounds(slot, fixed);
             self.fat[slot as usize] = fat;
+            let row = body.row as usize;
+            if let Some(b) = self.awake.step.get_mut(row) {
+                b.room = 0.0;
+            }
             if fixed {
                 Place::FixedTree(self.fixed_tree.insert(fat, slot))
             } else {
@@ -727,6 +732,10 @@ impl World {
 
     /// After a jump: new bounds for all shapes of a body.
     pub(crate) fn refresh_bounds(&mut self, body: u32) {
+        let row = self.bodies[body].row as usize;
+        if let Some(b) = self.awake.step.get_mut(row) {
+            b.room = 0.0;
+        }
         for i in 0..self.bodies[body].shapes.len() {
             let s = self.bodies[body].shapes[i];
             let fixed = self.bodies[body].kind == BodyKind::Fixed;

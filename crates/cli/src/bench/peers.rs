@@ -121,7 +121,8 @@ mod tests {
     #[test]
     fn a_program_that_is_not_there_is_an_error() {
         let peer = Peer { name: "ghost".into(), program: "no/such/ghost-peer".into() };
-        let text = message(peer.run("rain", Plan { steps: 2, repeats: 1, threads: 1 }).map(drop));
+        let text =
+            message(peer.run("rain", Plan { steps: 2, repeats: 1, threads: 1, profile: false }).map(drop));
         assert!(text.contains("ghost on rain") && text.contains("cannot start"), "{text}");
     }
 

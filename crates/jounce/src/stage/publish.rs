@@ -4,8 +4,10 @@ use super::Step;
 use crate::edit::margin_of;
 use crate::event::Event;
 use crate::room::contacts::state::{Contact, Place};
+use crate::room::rigid::state::BodyFrame;
 use crate::world::World;
 use jounce_geometry::Aabb;
+use jounce_math::{Vec3, scalar::f32s};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     bounds(world, step);
@@ -15,38 +17,66 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     world.fields.time = world.time();
 }
 
-/// Moves the fat bounds of shapes that left theirs.
+/// Moves the fat bounds of shapes that left theirs. What has not moved as far as it has room is not looked at.
 fn bounds(world: &mut World, step: &Step) {
     let sweep = world.bouncy > 0;
     for row in 0..world.awake.step.len() {
-        let body = world.awake.step[row].body;
-        let motion = if sweep || world.bodies[body].looks_ahead() {
-            world.awake.state[row].v() * step.dt
-        } else {
-            jounce_math::Vec3::ZERO
-        };
-        for i in 0..world.bodies[body].shapes.len() {
-            let s = world.bodies[body].shapes[i];
+        let slot = world.awake.step[row].body;
+        let (body, way) = (&world.bodies[slot], world.awake.state[row].v() * step.dt);
+        // Bouncing pairs must be seen a step ahead.
+        let ahead = if sweep || body.looks_ahead() { way } else { Vec3::ZERO };
+        let room = world.awake.step[row].room - moved(&world.frames[slot as usize], body.mass.outer_radius);
+        if room > ahead.length() {
+            world.awake.step[row].room = room;
+            continue;
+        }
+        let mut room = f32::INFINITY;
+        for i in 0..world.bodies[slot].shapes.len() {
+            let s = world.bodies[slot].shapes[i];
             let Place::MovingTree(leaf) = world.shapes[s].place else {
                 if world.shapes[s].place == Place::Unbounded {
                     world.mark_moved(s);
+                    room = 0.0;
                 }
                 continue;
             };
-            let mut tight = world.tight_bounds(s);
-            // Bouncing pairs must be seen a step ahead.
-            let ahead = Aabb::new(tight.min + motion, tight.max + motion);
-            tight = tight.union(&ahead);
-            if !world.fat[s as usize].contains(&tight) {
-                let fat = tight.expanded(margin_of(&tight, world.settings.length_unit));
+            let tight = world.tight_bounds(s);
+            let next = tight.union(&Aabb::new(tight.min + ahead, tight.max + ahead));
+            if !world.fat[s as usize].contains(&next) {
+                let margin = margin_of(&next, world.settings.length_unit);
+                // What is fast would leave its bounds in every step.
+                let on = if way.length_squared() > margin * margin { way * STEPS_AHEAD } else { Vec3::ZERO };
+                let fat = next.union(&Aabb::new(tight.min + on, tight.max + on)).expanded(margin);
                 world.fat[s as usize] = fat;
                 world.moving_tree.enlarge(leaf, fat);
                 world.mark_moved(s);
             }
+            // The radius is that of the solid shapes.
+            let left = if world.shapes[s].sensor { 0.0 } else { slack(&world.fat[s as usize], &tight) };
+            room = f32s::min(room, left);
         }
+        world.awake.step[row].room = room;
     }
     world.moving_tree.tidy();
 }
+
+/// How far the farthest point of a body went in the step, at most, m.
+fn moved(f: &BodyFrame, radius: f32) -> f32 {
+    let way = (f.center - f.center0).length() as f32;
+    // A turn by θ moves a point by 2 R sin(θ/2), which is the vector part of its quaternion.
+    let turn = (f.rotation * f.rotation0.conjugate()).xyz().length();
+    1.001 * (way + 2.0 * radius * turn)
+}
+
+/// The way in any direction that keeps `inner` in `outer`, but for the rounding of both.
+fn slack(outer: &Aabb, inner: &Aabb) -> f32 {
+    let least = f32s::min((inner.min - outer.min).min_component(), (outer.max - inner.max).min_component());
+    let size = f32s::max(outer.min.abs().max_component(), outer.max.abs().max_component());
+    least - 4.0 * f32::EPSILON * size
+}
+
+/// Steps for which the bounds of fast bodies reach.
+const STEPS_AHEAD: f32 = 3.0;
 
 fn hits(world: &mut World) {
     let threshold = world.settings.hit_event_speed;

@@ -675,6 +675,9 @@ pub(crate) fn check_kind(kind: &JointKind) -> Result<()> {
         }
         JointKind::Generic { linear, angular } => {
             linear.iter().try_for_each(AxisDesc::check)?;
+            if let Some(i) = super::generic::hinge(angular) {
+                return angular[i].check_counted();
+            }
             angular[0].check_counted()?;
             angular[1..].iter().try_for_each(AxisDesc::check_swing)
         }

@@ -12,7 +12,7 @@ use super::extra::Extras;
 use super::rows::{Ends, Hard, Row};
 
 /// The only axis that turns freely.
-fn hinge(angular: &[AxisDesc; 3]) -> Option<usize> {
+pub(super) fn hinge(angular: &[AxisDesc; 3]) -> Option<usize> {
     let mut free = (0..3).filter(|&i| !angular[i].locked);
     free.next().filter(|_| free.next().is_none())
 }
