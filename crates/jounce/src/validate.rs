@@ -1,6 +1,6 @@
 //! The whole-world validator: every table agrees with every other. Debug builds only.
 
-use crate::room::contacts::state::ContactPlace;
+use crate::room::contacts::state::{ContactPlace, Place};
 use crate::room::rigid::state::NONE;
 use crate::step::Stage;
 use crate::table::pair_key;
@@ -10,10 +10,22 @@ use crate::world::World;
 pub(crate) fn check_after(world: &World, stage: Stage) {
     if cfg!(debug_assertions) && stage == Stage::Publish && world.contacts.len() < 20_000 {
         world.validate();
+        world.validate_bounds();
     }
 }
 
 impl World {
+    /// At the end of a step every shape is within its fat bounds, whether it was looked at or not.
+    fn validate_bounds(&self) {
+        for b in &self.awake.step {
+            for &s in &self.bodies[b.body].shapes {
+                if matches!(self.shapes[s].place, Place::MovingTree(_)) {
+                    let (fat, tight) = (&self.fat[s as usize], self.tight_bounds(s));
+                    assert!(fat.contains(&tight), "shape {s} of body {}: {tight:?} left {fat:?}", b.body);
+                }
+            }
+        }
+    }
     /// Asserts that every table agrees with every other. For tests; costs about as much as a step.
     ///
     /// # Panics

@@ -20,6 +20,7 @@ pub(super) const TAUT_SPEED: f32 = 0.1;
 /// Rounds of the active set, at least and at most, and the products of blocks that they may take: a chain of 60 has some 80 rounds.
 const ROUNDS: [usize; 2] = [16, 128];
 const PRODUCTS: usize = 10000;
+const ROUNDS_OF_PLACES: usize = 8;
 /// Of these, those that let motors and friction act again, and those that change all ends that are wrong; then one at a time.
 const ROUNDS_OF_MOTORS: usize = 2;
 pub(super) const ROUNDS_OF_ENDS: usize = 8;
@@ -253,7 +254,9 @@ impl JointSet {
         self.mark();
         self.fixed = false;
         let products = self.plan.as_ref().map_or(1, |p| p.products().max(1));
-        for round in 1..=(PRODUCTS / products).clamp(ROUNDS[0], ROUNDS[1]) {
+        let most = (PRODUCTS / products).clamp(ROUNDS[0], ROUNDS[1]);
+        // Places are looked for in many steps, each with rounds of its own.
+        for round in 1..=if sweep == Sweep::Place { ROUNDS_OF_PLACES } else { most } {
             self.trial(k, sweep);
             if !self.correct(k, sweep, round) {
                 return;

@@ -40,7 +40,9 @@ impl JointSet {
         };
         let direct = self.plan.is_some();
         let mut way = 0.0;
-        for _ in 0..if direct { PLACINGS_ALONE } else { 4 * PLACINGS } {
+        let costly = self.is_costly();
+        let mut at_first = 0.0;
+        for i in 0..if direct { PLACINGS_ALONE } else { 4 * PLACINGS } {
             self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
             for s in self.joints.iter_mut().filter(|s| s.rod) {
                 s.give_way[1..3].fill(f32::INFINITY);
@@ -68,11 +70,18 @@ impl JointSet {
                 b.m.dr += w;
                 b.m.dq = (turned(w) * b.m.dq).normalize();
             }
-            if way < PLACED {
+            at_first = if i == 0 { way } else { at_first };
+            // Enough; or no nearer than at first, and costly.
+            if way < PLACED || (costly && i + 1 == PLACINGS && way > 0.5 * at_first) {
                 break;
             }
         }
         way
+    }
+
+    /// Are Newton's steps to be few?
+    pub fn is_costly(&self) -> bool {
+        self.plan.as_ref().is_some_and(|p| p.products() > COSTLY)
     }
 
     /// Ends of turns that the motion of the substep has passed are put back at once, and points that it has parted: who runs along the rim
@@ -169,6 +178,8 @@ pub(crate) const NEAR: f32 = 1e-3;
 /// Newton's steps at most in lanes and alone, and the way that ends them, m and rad.
 pub(super) const PLACINGS: usize = 8;
 const PLACINGS_ALONE: usize = 24;
+/// Products of blocks from which those who find nothing stop early: a chain of 22 has as many.
+const COSTLY: usize = 45;
 /// The way of one of them at most: what would go further is far from where its rows were measured.
 const FARTHEST: f32 = 0.2;
 const PLACED: f32 = 1e-6;
