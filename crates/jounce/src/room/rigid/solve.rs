@@ -268,7 +268,7 @@ fn torque_free(
 ) {
     let (mut world, mut q, frozen) = momentum(s.w, s.dq, memory.as_ref(), mass, rotation);
     let inv = mass.inv_moments;
-    world = world * keep;
+    world *= keep;
     let mut l = q.inverse_rotate(world);
     let (w, limit) = (l.mul(inv), f64::from(limit));
     let w2 = w.dot(w);
