@@ -22,9 +22,10 @@ fn bounds(world: &mut World, step: &Step) {
     let sweep = world.bouncy > 0;
     for row in 0..world.awake.step.len() {
         let slot = world.awake.step[row].body;
-        let (body, way) = (&world.bodies[slot], world.awake.state[row].v() * step.dt);
+        let body = &world.bodies[slot];
         // Bouncing pairs must be seen a step ahead.
-        let ahead = if sweep || body.looks_ahead() { way } else { Vec3::ZERO };
+        let ahead =
+            if sweep || body.looks_ahead() { world.awake.state[row].v() * step.dt } else { Vec3::ZERO };
         let room = world.awake.step[row].room - moved(&world.frames[slot as usize], body.mass.outer_radius);
         if room > ahead.length() {
             world.awake.step[row].room = room;
@@ -44,9 +45,7 @@ fn bounds(world: &mut World, step: &Step) {
             let next = tight.union(&Aabb::new(tight.min + ahead, tight.max + ahead));
             if !world.fat[s as usize].contains(&next) {
                 let margin = margin_of(&next, world.settings.length_unit);
-                // What is fast would leave its bounds in every step.
-                let on = if way.length_squared() > margin * margin { way * STEPS_AHEAD } else { Vec3::ZERO };
-                let fat = next.union(&Aabb::new(tight.min + on, tight.max + on)).expanded(margin);
+                let fat = next.expanded(margin);
                 world.fat[s as usize] = fat;
                 world.moving_tree.enlarge(leaf, fat);
                 world.mark_moved(s);
@@ -74,9 +73,6 @@ fn slack(outer: &Aabb, inner: &Aabb) -> f32 {
     let size = f32s::max(outer.min.abs().max_component(), outer.max.abs().max_component());
     least - 4.0 * f32::EPSILON * size
 }
-
-/// Steps for which the bounds of fast bodies reach.
-const STEPS_AHEAD: f32 = 3.0;
 
 fn hits(world: &mut World) {
     let threshold = world.settings.hit_event_speed;
