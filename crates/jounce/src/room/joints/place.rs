@@ -41,8 +41,11 @@ impl JointSet {
         let direct = self.plan.is_some();
         let mut way = 0.0;
         let costly = self.is_costly();
+        // Ways that are cut short let springs between the bodies gain.
+        let soft = self.joints.iter().any(|s| s.soft.is_some());
+        let alone = if soft { PLACINGS } else { PLACINGS_ALONE };
         let mut at_first = 0.0;
-        for i in 0..if direct { PLACINGS_ALONE } else { 4 * PLACINGS } {
+        for i in 0..if direct { alone } else { 4 * PLACINGS } {
             self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
             for s in self.joints.iter_mut().filter(|s| s.rod) {
                 s.give_way[1..3].fill(f32::INFINITY);
@@ -63,7 +66,7 @@ impl JointSet {
             }
             let moving = || self.bodies.iter().filter(|b| b.row != NONE);
             way = moving().map(|b| f32s::max(b.m.v.length(), b.m.w.length())).fold(0.0, f32s::max);
-            let part = f32s::min(FARTHEST / way, 1.0);
+            let part = if soft { 1.0 } else { f32s::min(FARTHEST / way, 1.0) };
             for b in self.bodies.iter_mut().filter(|b| b.row != NONE) {
                 let (v, w) = (b.m.v * part, b.m.w * part);
                 b.m.dp += v;
