@@ -672,10 +672,7 @@ impl World {
         } else {
             let fat = self.fat_bounds(slot, fixed);
             self.fat[slot as usize] = fat;
-            let row = body.row as usize;
-            if let Some(b) = self.awake.step.get_mut(row) {
-                b.room = 0.0;
-            }
+            self.forget_room(self.shapes[slot].body);
             if fixed {
                 Place::FixedTree(self.fixed_tree.insert(fat, slot))
             } else {
@@ -730,12 +727,17 @@ impl World {
         if fixed { tight } else { tight.expanded(margin_of(&tight, self.settings.length_unit)) }
     }
 
-    /// After a jump: new bounds for all shapes of a body.
-    pub(crate) fn refresh_bounds(&mut self, body: u32) {
+    /// The next step looks at all bounds of a body.
+    fn forget_room(&mut self, body: u32) {
         let row = self.bodies[body].row as usize;
         if let Some(b) = self.awake.step.get_mut(row) {
             b.room = 0.0;
         }
+    }
+
+    /// After a jump: new bounds for all shapes of a body.
+    pub(crate) fn refresh_bounds(&mut self, body: u32) {
+        self.forget_room(body);
         for i in 0..self.bodies[body].shapes.len() {
             let s = self.bodies[body].shapes[i];
             let fixed = self.bodies[body].kind == BodyKind::Fixed;

@@ -20,10 +20,11 @@ pub(super) const TAUT_SPEED: f32 = 0.1;
 /// Rounds of the active set, at least and at most, and the products of blocks that they may take: a chain of 60 has some 80 rounds.
 const ROUNDS: [usize; 2] = [16, 128];
 const PRODUCTS: usize = 10000;
-const ROUNDS_OF_PLACES: usize = 8;
 /// Of these, those that let motors and friction act again, and those that change all ends that are wrong; then one at a time.
 const ROUNDS_OF_MOTORS: usize = 2;
 pub(super) const ROUNDS_OF_ENDS: usize = 8;
+/// Rounds at most while places are looked for: that takes many steps, each with rounds of its own.
+const ROUNDS_OF_PLACES: usize = 8;
 /// The same of the others of its set.
 const ROUNDING: f32 = 1e-6;
 /// Error of a joint that closes a loop, and bend within a substep, which are let be, m or rad: rounding of f32 at some 10 m.
@@ -32,8 +33,8 @@ const LOOP_SLACK: f32 = 1e-5;
 pub(super) const BEND: f32 = 1e-4;
 /// Part of the kinetic energy that a pass may spend on bend, and in a tight set on errors.
 const COST: f64 = 0.01;
-/// Speed that every body is taken to have at least, m/s, squared: what hangs still is put right too.
-const STILL: f64 = 1.0;
+/// Speed that every body is taken to have besides, as part of that at which errors are taken back: what hangs still is put right too.
+const STILL: f32 = 0.1;
 /// Of the bend that is looked at, and of the gap from which places are put right, in a tight set.
 const TIGHT: f32 = 0.05;
 /// Newton's steps beyond the first, the error ahead that asks for one, s of correction: 0.01 mm; and the part of the kinetic energy that one may
@@ -97,7 +98,7 @@ impl JointSet {
     /// Right sides for the present velocities: −C(t + h)/h to solve, −J u to relax.
     fn residuals(&mut self, k: &Constants, sweep: Sweep) {
         let Some(plan) = &self.plan else { return };
-        let tight = self.is_tight();
+        let (tight, loops) = (self.is_tight(), plan.has_loops());
         for (i, s) in self.joints.iter().enumerate() {
             let (a, b) = (&self.bodies[s.a].m, &self.bodies[s.b].m);
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
@@ -117,7 +118,7 @@ impl JointSet {
                     // Errors that a teleport left are taken back at a bounded speed.
                     let error = if self.straight && tight { 0.0 } else { limited(row.c, k.correct * k.h) };
                     let bend = s.bend[c];
-                    if plan.has_loops() {
+                    if loops {
                         // Rows that say again what others say would fight about rounding for ever.
                         let most = if plan.closes_loop(i) { LOOP_SLACK } else { ROUNDING };
                         let slack = limited(error, most) + limited(bend, most);
@@ -146,17 +147,20 @@ impl JointSet {
             self.rounds(joints, k, sweep);
             self.straight = false;
             self.rounds(joints, k, sweep);
-            self.moderate(COST);
+            self.moderate(COST, k);
         } else {
             self.rounds(joints, k, sweep);
         }
-        let plain = sweep == Sweep::Solve && !tight;
-        for _ in 0..if plain { AGAIN } else { 0 } {
+        // In a tight set no further step converges.
+        if sweep != Sweep::Solve || tight {
+            return;
+        }
+        for _ in 0..AGAIN {
             if !self.misses(joints, k) {
                 return;
             }
             self.rounds(joints, k, sweep);
-            if self.moderate(AGAIN_COST) {
+            if self.moderate(AGAIN_COST, k) {
                 return;
             }
         }
@@ -183,15 +187,17 @@ impl JointSet {
     /// u₀ where the pass began and s² = c |u₀|²/|u − u₀|² in the metric of the masses, of a free set against its centre of mass. A light
     /// body that crosses a taut rope at 100 m/s is to be stopped by the rope; along the rope as it was, only the load at its
     /// other end could make room for it, at 40 m/s. What is left of the bend is put right as places are.
-    fn moderate(&mut self, most: f64) -> bool {
+    /// True where it did.
+    fn moderate(&mut self, most: f64, k: &Constants) -> bool {
         let mean = self.drift();
+        let still = f64::from(STILL * k.correct * STILL * k.correct);
         let (mut cost, mut energy) = (0.0, 0.0);
         for b in self.bodies.iter().filter(|b| b.is_dynamic()) {
             let m = f64::from(1.0 / b.inv_mass.x);
             let [v, w] = b.before;
             let (dv, dw) = (b.m.v - v, b.m.w - w);
             cost += m * f64::from(dv.length_squared());
-            energy += m * (f64::from((v - mean).length_squared()) + STILL);
+            energy += m * (f64::from((v - mean).length_squared()) + still);
             if let Some(i) = &b.inertia {
                 cost += f64::from(dw.dot(*i * dw));
                 energy += f64::from(w.dot(*i * w));
@@ -255,7 +261,6 @@ impl JointSet {
         self.fixed = false;
         let products = self.plan.as_ref().map_or(1, |p| p.products().max(1));
         let most = (PRODUCTS / products).clamp(ROUNDS[0], ROUNDS[1]);
-        // Places are looked for in many steps, each with rounds of its own.
         for round in 1..=if sweep == Sweep::Place { ROUNDS_OF_PLACES } else { most } {
             self.trial(k, sweep);
             if !self.correct(k, sweep, round) {

@@ -2,8 +2,8 @@
 //!
 //! Locked lines: C = n·d along A's x, y, z. Turns locked about all three: C = 2 v_i of q_a⁻¹ q_b. About two: a hinge about the third e, C =
 //! e_b·n for both others n of A. About one, y or z: x_b stays across the other, C = z_a·x_b or y_a·x_b; x: the twist is 0, but for where
-//! x_a and x_b point apart by 150° and more, and it comes to mean nothing. A turn that is free beside two locked ones is measured as a hinge's; else the twist about x, and as swings the
-//! parts about y and z of the rotation vector from x_a to x_b.
+//! x_a and x_b point apart by 150° and more, and it comes to mean nothing. A turn that is free beside two locked ones is
+//! measured as a hinge's; else the twist about x, and as swings the parts about y and z of the rotation vector from x_a to x_b.
 //!
 //! Source: the 6-DOF joints of PhysX and Bullet.
 
