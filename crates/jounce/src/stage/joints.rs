@@ -445,8 +445,7 @@ pub(crate) fn follow(world: &mut World, stopped: &[(u32, f32)]) {
         }
         let finite = |b: &Local| b.m.dp.is_finite() && b.m.dq.is_finite();
         // Where what was stopped cannot be where it is, the set keeps together: a load on light links drags them past what stopped them.
-        let tries = if set.is_costly() { 1 } else { 2 };
-        set.placed = [STOPPED_PART, 1.0].into_iter().take(tries).any(|part| {
+        set.placed = [STOPPED_PART, 1.0].into_iter().any(|part| {
             for b in &mut set.bodies {
                 back_to_now(shared, b, if stopped.iter().any(|s| s.0 == b.slot) { part } else { 1.0 });
             }

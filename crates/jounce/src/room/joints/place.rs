@@ -40,12 +40,10 @@ impl JointSet {
         };
         let direct = self.plan.is_some();
         let mut way = 0.0;
-        let costly = self.is_costly();
         // Ways that are cut short let springs between the bodies gain.
         let soft = self.joints.iter().any(|s| s.soft.is_some());
         let alone = if soft { PLACINGS } else { PLACINGS_ALONE };
-        let mut at_first = 0.0;
-        for i in 0..if direct { alone } else { 4 * PLACINGS } {
+        for _ in 0..if direct { alone } else { 4 * PLACINGS } {
             self.bodies.iter_mut().for_each(|b| (b.m.v, b.m.w) = (Vec3::ZERO, Vec3::ZERO));
             for s in self.joints.iter_mut().filter(|s| s.rod) {
                 s.give_way[1..3].fill(f32::INFINITY);
@@ -73,18 +71,11 @@ impl JointSet {
                 b.m.dr += w;
                 b.m.dq = (turned(w) * b.m.dq).normalize();
             }
-            at_first = if i == 0 { way } else { at_first };
-            // Enough; or no nearer than at first, and costly.
-            if way < PLACED || (costly && i + 1 == PLACINGS && way > 0.5 * at_first) {
+            if way < PLACED {
                 break;
             }
         }
         way
-    }
-
-    /// Are Newton's steps to be few?
-    pub fn is_costly(&self) -> bool {
-        self.plan.as_ref().is_some_and(|p| p.products() > COSTLY)
     }
 
     /// Ends of turns that the motion of the substep has passed are put back at once, and points that it has parted: who runs along the rim
@@ -181,8 +172,6 @@ pub(crate) const NEAR: f32 = 1e-3;
 /// Newton's steps at most in lanes and alone, and the way that ends them, m and rad.
 pub(super) const PLACINGS: usize = 8;
 const PLACINGS_ALONE: usize = 24;
-/// Products of blocks from which those who find nothing stop early: a chain of 22 has as many.
-const COSTLY: usize = 45;
 /// The way of one of them at most: what would go further is far from where its rows were measured.
 const FARTHEST: f32 = 0.2;
 const PLACED: f32 = 1e-6;
