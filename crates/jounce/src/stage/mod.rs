@@ -1,6 +1,7 @@
 //! The algorithm, in order: one file per stage.
 
 mod alike;
+mod articulated;
 pub(crate) mod broadphase;
 pub(crate) mod characters;
 pub(crate) mod commands;
@@ -73,6 +74,7 @@ pub(crate) struct Scratch {
     pub loads: crate::room::contacts::load::Loads,
     pub fields: fields::FieldScratch,
     pub joints: joints::JointScratch,
+    pub leanings: articulated::Leanings,
     pub vehicles: vehicles::VehicleScratch,
     /// By awake row: how hard and which way it was pushed.
     pub squeeze: Vec<(f32, jounce_math::Vec3)>,

@@ -1,6 +1,6 @@
 //! The substeps: velocities, warm start, solve, positions, relax; then restitution and the impulses' way back.
 
-use super::Step;
+use super::{Step, articulated};
 use crate::event::Event;
 use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
@@ -20,16 +20,21 @@ const CONTACTS: usize = 128;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
+    articulated::prepare(world, step);
     for i in 0..step.substeps {
         velocities(world, step);
         super::fields::act(world, step, i);
         sweep(world, Pass::Warm, step);
+        articulated::warm(world);
         super::joints::solve(world, step, i);
         super::vehicles::act(world, step);
+        articulated::solve(world, step);
         sweep(world, Pass::Solve, step);
         super::joints::answer(world, step);
+        super::vehicles::follow(world, step);
         positions(world, step);
         super::joints::relax(world, step, i + 1 == step.substeps);
+        articulated::relax(world, step);
         sweep(world, Pass::Relax, step);
     }
 }

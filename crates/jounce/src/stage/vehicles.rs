@@ -305,6 +305,20 @@ pub(crate) fn act(world: &mut World, step: &Step) {
     world.scratch.vehicles = s;
 }
 
+/// Before the positions move, after all impulses.
+pub(crate) fn follow(world: &mut World, step: &Step) {
+    let mut s = core::mem::take(&mut world.scratch.vehicles);
+    let mut vehicles = core::mem::take(&mut world.vehicles);
+    for run in &mut s.runs[..s.count] {
+        let Some(v) = vehicles.table.get_mut(run.id) else { continue };
+        load(world, &mut run.chassis);
+        run.grounds.iter_mut().for_each(|g| load(world, g));
+        solve::follow(v, run, step.constants.h);
+    }
+    world.vehicles = vehicles;
+    world.scratch.vehicles = s;
+}
+
 fn load(world: &World, b: &mut Mover) {
     let Some(state) = world.awake.state.get(b.row as usize) else { return };
     b.m = state.get();

@@ -13,10 +13,10 @@ use jounce_tasks::Scatter;
 /// No point pushes harder than to change its two bodies' speed by so much, m/s: far above all that is stacked or hit, far
 /// below what overflows. A body larger than its room, between walls that push from opposite sides, has no solution, and its
 /// impulses would grow from step to step until nothing is finite.
-const SPEED_MOST: f32 = 1e6;
+pub(crate) const SPEED_MOST: f32 = 1e6;
 
 /// Impulse that may be given back ÷ e times the impulse that was taken.
-const POISSON: f32 = 1.05;
+pub(crate) const POISSON: f32 = 1.05;
 
 /// Which pass of the substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,7 +177,8 @@ fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, B
     let n = Wide3::<L>::load(&block.normal, at);
     let mut u = Pair::load(block, at, access, g);
     for rows in &block.points[..block.points_max.min(4)] {
-        u.push(n, &rows.j, at, L::load(&rows.impulse[at..]));
+        let taken = L::load(&rows.mass[at..]).gt(L::zero());
+        u.push(n, &rows.j, at, L::select(taken, L::load(&rows.impulse[at..]), L::zero()));
     }
     let t1 = Wide3::<L>::load(&block.tangent, at);
     let t2 = n.cross(t1);
@@ -222,11 +223,18 @@ fn solve<L: Lanes>(
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let new = (old - mass * (scale * vn + bias) - soft * old).max(zero).min(mass * most);
+        let most = most_impulse(mass, most, old);
+        let new = (old - mass * (scale * vn + bias) - soft * old).max(zero).min(most);
         new.store(&mut rows.impulse[at..]);
         u.push(n, &rows.j, at, new - old);
     }
     u.store(access, g);
+}
+
+/// Most that a point may give. Points without mass are none, or another's (`articulated`): they keep what they have.
+#[inline(always)]
+fn most_impulse<L: Lanes>(mass: L, speed: L, old: L) -> L {
+    L::select(mass.gt(L::zero()), mass * speed, old)
 }
 
 #[inline(always)]
@@ -252,7 +260,7 @@ fn relax<L: Lanes>(
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let new = (old - mass * (vn + bias)).max(zero).min(mass * most);
+        let new = (old - mass * (vn + bias)).max(zero).min(most_impulse(mass, most, old));
         new.store(&mut rows.impulse[at..]);
         (L::load(&rows.total[at..]) + new).store(&mut rows.total[at..]);
         total = total + new;
@@ -382,7 +390,8 @@ fn restitution<L: Lanes>(
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
         let target = if back { rebound } else { zero };
-        let wanted = (old - mass * (vn - target)).max(zero).min(mass * L::splat(SPEED_MOST));
+        let most = most_impulse(mass, L::splat(SPEED_MOST), old);
+        let wanted = (old - mass * (vn - target)).max(zero).min(most);
         let wanted = if back { wanted.min(old + budget.max(zero)) } else { wanted.max(old) };
         let new = L::select(bounces, wanted, old);
         budget = budget - (new - old);

@@ -16,6 +16,8 @@ pub(crate) struct Local {
     /// Inverse mass along each world axis: 0 along locked ones.
     pub inv_mass: Vec3,
     pub tensor: InvInertia,
+    /// The tensor without what tension adds.
+    pub raw: InvInertia,
     /// Torque-free memory, and the velocity it was told last.
     pub turning: Option<Turning>,
     /// Turns freely: inertia follows the rotation.
@@ -47,6 +49,7 @@ impl Local {
             at: Vec3::ZERO,
             inv_mass: Vec3::ZERO,
             tensor: InvInertia::default(),
+            raw: InvInertia::default(),
             turning: None,
             free: false,
             start_inv_mass: Vec3::ZERO,
@@ -109,10 +112,14 @@ impl Local {
             self.dv[i] += d * lambda;
         }
     }
+    /// What the sums of impulses change.
+    pub(super) fn changed(&self) -> ([f64; 3], [f64; 3]) {
+        let [a, b, c, d, e, f] = self.dv;
+        self.moved([a, b, c], [d, e, f])
+    }
     /// Sums of impulses to the velocities that they change.
     pub(super) fn give(&mut self) {
-        let [a, b, c, d, e, f] = self.dv;
-        let ([a, b, c], [d, e, f]) = self.moved([a, b, c], [d, e, f]);
+        let ([a, b, c], [d, e, f]) = self.changed();
         self.dv = [a, b, c, d, e, f];
     }
     /// It moves along all axes as impulses have it.

@@ -12,6 +12,7 @@
 
 pub(crate) mod active;
 pub(crate) mod alike;
+pub(crate) mod articulated;
 pub(crate) mod ball;
 pub mod desc;
 pub(crate) mod direct;

@@ -23,6 +23,7 @@
 //! multibody dynamics, 2017.
 
 use super::alike::Link;
+use super::articulated::Firm;
 use super::desc::JointSolver;
 use super::direct::{Numbers, Plan, ROWS};
 use super::extra::Sweep;
@@ -78,10 +79,14 @@ pub(crate) struct JointSet {
     pub(super) straight: bool,
     /// The pass found no active set: ends hold both ways.
     pub(super) fixed: bool,
-    /// One of its bodies is much heavier than another.
+    /// One of its bodies is much heavier than another, or enough so for contacts to ask.
     pub(super) loaded: bool,
+    pub(super) uneven: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
+    /// Contacts ask what hangs on its bodies.
+    pub leaned: bool,
+    pub firm: Firm,
     /// Pairs of joints that share a moving body, and which.
     shared: Vec<(u32, u32, u32)>,
     pub(super) kept: Kept,
@@ -111,7 +116,8 @@ impl JointSet {
             self.joints.iter().map(|s| (size(s) as u8, [moving(s.a), moving(s.b)])).collect();
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
         let n = self.joints.len();
-        self.loaded = self.is_loaded(inv_mass);
+        let ratio = self.ratio(inv_mass);
+        (self.loaded, self.uneven) = (ratio > LOAD, ratio > UNEVEN);
         let most = if any(JointSolver::Direct) {
             FILL_ASKED * n + FILL_SMALL
         } else if any(JointSolver::Iterative) {
@@ -137,12 +143,12 @@ impl JointSet {
         }
     }
 
-    /// Is one of its bodies much heavier than another?
-    fn is_loaded(&self, inv_mass: impl Fn(u32) -> f32) -> bool {
+    /// How much heavier one of its bodies is than another.
+    fn ratio(&self, inv_mass: impl Fn(u32) -> f32) -> f32 {
         let masses = self.bodies.iter().map(|b| inv_mass(b.slot)).filter(|m| *m > 0.0);
         let (least, most) =
             masses.fold((f32::INFINITY, 0.0), |(least, most), m| (f32s::min(least, m), f32s::max(most, m)));
-        most > LOAD * least
+        most / least
     }
 
     pub(super) fn refresh(&mut self, joints: &Joints) {
@@ -150,6 +156,11 @@ impl JointSet {
         for s in &mut self.joints {
             s.refresh(&joints.table[s.id], &self.bodies, iterative);
         }
+        self.fresh = false;
+    }
+
+    /// The factors are of other rows.
+    pub(super) fn spoil(&mut self) {
         self.fresh = false;
     }
 
@@ -337,6 +348,13 @@ impl JointSet {
         if self.is_open(TORN * k.correct) {
             self.calm();
         }
+        if !self.leaned {
+            self.account(joints, k);
+        }
+    }
+
+    /// What joints gave in the substep, for who asks and for what breaks.
+    pub fn account(&mut self, joints: &Joints, k: &Constants) {
         for s in &mut self.joints {
             let rb = self.bodies[s.b].m.dq.rotate(s.start.rb);
             s.account(&joints.table[s.id], k, rb);
@@ -351,6 +369,8 @@ const FILL_SMALL: usize = 64;
 const FILL_LOADED: usize = 2048;
 /// How many times the lightest body's mass makes a load.
 const LOAD: f32 = 10.0;
+/// The same for contacts: less is made up for by the passes of a step.
+const UNEVEN: f32 = 1.5;
 /// Blocks for each joint where the direct solver is asked for.
 const FILL_ASKED: usize = 64;
 /// A joint is torn where it is off by more than errors are taken back in this time, s: a metre.

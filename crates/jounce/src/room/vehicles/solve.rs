@@ -597,6 +597,11 @@ fn apply(v: &mut Vehicle, run: &mut Run, h: f32) {
     }
     run.chassis.push(Vec3::ZERO, linear);
     run.chassis.turn(angular);
+}
+
+/// Once joints and contacts have answered: the tread goes as the chassis does then. With what is hung on the chassis left out, what its
+/// suspension turns it by alone would pass for slip, and a parked car creep.
+pub(crate) fn follow(v: &mut Vehicle, run: &Run, h: f32) {
     slips(v, run, h);
     traction(v, h);
 }

@@ -1,0 +1,438 @@
+//! Contacts of what hangs together, solved with all that hangs on it (`room::joints::articulated`).
+//!
+//! Their normal rows leave the lanes: a few sweeps of Gauss and Seidel over the points of all sets in contact order, each before
+//! the lanes' own. Friction stays in the lanes, bounded by what these rows push with.
+
+use super::Step;
+use super::joints::{constants, load};
+use crate::room::contacts::prepare::StepConstants;
+use crate::room::contacts::rows::{Block, LANES};
+use crate::room::contacts::solve::{POISSON, Pass, SPEED_MOST};
+use crate::room::contacts::state::Contact;
+use crate::room::joints::articulated::{Firm, Six};
+use crate::room::joints::set::JointSet;
+use crate::room::rigid::state::{BodyFrame, BodyState, NONE};
+use crate::world::World;
+use jounce_math::scalar::f32s;
+
+/// A manifold of which a body hangs on others.
+#[derive(Clone, Copy, Debug)]
+struct Leaning {
+    color: usize,
+    block: usize,
+    lane: usize,
+    count: usize,
+    sides: [Side; 2],
+    points: [Point; 4],
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Point {
+    /// 1/(g R), kg.
+    mass: f32,
+    /// Wanted speed, and the part of the error and of the impulse so far that a soft row takes.
+    bias: f32,
+    scale: f32,
+    soft: f32,
+}
+
+/// One of its bodies.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    row: u32,
+    /// Where it is part of a set: which, its place among those that contacts touch, its first point.
+    set: u32,
+    place: usize,
+    first: usize,
+}
+
+/// Memory that is reused from step to step and is not state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Leanings {
+    rows: Vec<Leaning>,
+    /// By awake row: set and body.
+    owners: Vec<(u32, u32)>,
+    /// By set: points of contacts.
+    points: Vec<usize>,
+}
+
+/// Turn within a step from which joined bodies do not look ahead to one another, rad.
+const TURN: f32 = 0.1;
+/// Sweeps over the points in a pass, at most, and the change of a speed that ends them, m/s.
+const SWEEPS: usize = 8;
+const QUIET: f32 = 1e-4;
+/// Points times bodies that contacts touch, and times joints: beyond that a set's contacts are solved as others are.
+const RESPONSES: usize = 4096;
+const SOLVES: usize = 8192;
+
+/// As a step starts, before anything moves.
+pub(crate) fn prepare(world: &mut World, step: &Step) {
+    let mut s = core::mem::take(&mut world.scratch.leanings);
+    part_siblings(world, step, &mut s.owners);
+    s.rows.clear();
+    world.scratch.joints.sets.iter_mut().for_each(|set| set.leaned = false);
+    if world.scratch.joints.sets.iter().any(JointSet::bears) {
+        gather(world, step, &mut s);
+    }
+    world.scratch.leanings = s;
+}
+
+fn gather(world: &mut World, step: &Step, s: &mut Leanings) {
+    let mut sets = core::mem::take(&mut world.scratch.joints.sets);
+    s.owners.clear();
+    s.owners.resize(world.awake.state.len(), (NONE, NONE));
+    for (i, set) in sets.iter_mut().enumerate().filter(|(_, set)| set.bears()) {
+        set.firm.clear();
+        for (k, b) in set.bodies.iter().enumerate().filter(|(_, b)| b.moves()) {
+            if let Some(owner) = s.owners.get_mut(b.row as usize) {
+                *owner = (i as u32, k as u32);
+            }
+        }
+    }
+    s.points.clear();
+    s.points.resize(sets.len(), 0);
+    let frames = &world.frames;
+    let contacts = || world.contacts.iter().filter_map(|c| Some((c, owners(frames, &s.owners, c)?)));
+    for (c, sides) in contacts() {
+        for (set, body) in sides {
+            if let Some(list) = sets.get_mut(set as usize).map(|set| &mut set.firm.bodies) {
+                s.points[set as usize] += points(c);
+                if !list.contains(&(body as usize)) {
+                    list.push(body as usize);
+                }
+            }
+        }
+    }
+    let (points, shared) = (&s.points, &*world);
+    world.tasks.for_each(&mut sets, 1, |i, set| {
+        let (n, bodies) = (points[i], set.firm.bodies.len());
+        set.leaned = n > 0 && n * bodies <= RESPONSES && n * set.joints.len() <= SOLVES;
+        if set.leaned {
+            set.bodies.iter_mut().for_each(|b| load(shared, b));
+            set.firm(&shared.joints, step.constants.h);
+            set.firm.u.resize(bodies, [0.0; 6]);
+            set.firm.given.resize(bodies, [0.0; 6]);
+        }
+    });
+    s.points.fill(0);
+    for (c, owners) in contacts() {
+        if !owners.iter().any(|o| sets.get(o.0 as usize).is_some_and(|s| s.leaned)) {
+            continue;
+        }
+        for m in c.manifolds().filter(|m| m.row.1 != NONE) {
+            let count = usize::from(m.count).min(4);
+            let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
+            let (block, lane) = (row / LANES, row % LANES);
+            let rows = &mut world.scratch.blocks[color][block];
+            let mut inverse = [0.0_f64; 4];
+            let bodies = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
+            let mut at = 0;
+            let sides = owners.map(|(set, body)| {
+                let mut side = Side { row: bodies[at], set: NONE, place: 0, first: 0 };
+                let list = sets.get_mut(set as usize).filter(|s| s.leaned);
+                if let Some(list) = list {
+                    let place = list.firm.bodies.iter().position(|&b| b == body as usize).unwrap_or(0);
+                    let first = s.points[set as usize];
+                    s.points[set as usize] += count;
+                    (side.set, side.place, side.first) = (set, place, first);
+                    for (k, inverse) in inverse.iter_mut().enumerate().take(count) {
+                        let g = row_of(rows, lane, k, at);
+                        list.add_point(place, &g);
+                        *inverse += dot(&g, &list.firm.response(first + k)[place]);
+                    }
+                } else {
+                    let mass = if at == 0 { &rows.inv_mass_a } else { &rows.inv_mass_b }[lane];
+                    for (p, inverse) in rows.points.iter().zip(&mut inverse).take(count) {
+                        let (j, i) = if at == 0 { (&p.j.a, &p.j.ia) } else { (&p.j.b, &p.j.ib) };
+                        *inverse += f64::from(mass + j.get(lane).dot(i.get(lane)));
+                    }
+                }
+                at += 1;
+                side
+            });
+            let mut leaning = Leaning { color, block, lane, count, sides, points: [Point::default(); 4] };
+            for ((p, rows), inverse) in leaning.points.iter_mut().zip(&mut rows.points).zip(inverse) {
+                p.mass = if inverse > 0.0 { (1.0 / inverse) as f32 } else { 0.0 };
+                rows.mass[lane] = 0.0;
+            }
+            s.rows.push(leaning);
+        }
+    }
+    world.scratch.joints.sets = sets;
+}
+
+/// Joined bodies that turn far within the step do not look ahead to one another: a gap is foreseen along straight lines, and blades of one
+/// rotor, which never meet, would brake it.
+fn part_siblings(world: &mut World, step: &Step, owners: &mut Vec<(u32, u32)>) {
+    let (scratch, frames, state) = (&mut world.scratch, &world.frames, &world.awake.state);
+    let spins = |row: u32| {
+        state.get(row as usize).is_some_and(|s| s.w().length_squared() > (TURN / step.dt) * (TURN / step.dt))
+    };
+    owners.clear();
+    for (i, set) in scratch.joints.sets.iter().enumerate() {
+        let rows = || set.bodies.iter().map(|b| frames[b.slot as usize].row).filter(|r| *r != NONE);
+        if rows().any(spins) {
+            owners.resize(state.len(), (NONE, NONE));
+            rows().for_each(|r| owners[r as usize] = (i as u32, 0));
+        }
+    }
+    if owners.is_empty() {
+        return;
+    }
+    for c in world.contacts.iter().filter(|c| c.touching) {
+        let [a, b] = [c.body_a, c.body_b].map(|b| owners.get(frames[b as usize].row as usize));
+        if a.is_none_or(|a| a.0 == NONE) || a != b {
+            continue;
+        }
+        for m in c.manifolds().filter(|m| m.row.1 != NONE) {
+            let (row, lane) = (m.row.1 as usize, m.row.1 as usize % LANES);
+            for p in &mut scratch.blocks[usize::from(m.row.0)][row / LANES].points {
+                if p.separation[lane] > 0.0 {
+                    (p.mass[lane], p.impulse[lane]) = (0.0, 0.0);
+                }
+            }
+        }
+    }
+}
+
+fn points(c: &Contact) -> usize {
+    c.manifolds().filter(|m| m.row.1 != NONE).map(|m| usize::from(m.count).min(4)).sum()
+}
+
+/// Whose the bodies of a contact are, where some set's are touched from outside.
+fn owners(frames: &[BodyFrame], owners: &[(u32, u32)], c: &Contact) -> Option<[(u32, u32); 2]> {
+    let sides = [c.body_a, c.body_b]
+        .map(|b| owners.get(frames[b as usize].row as usize).copied().unwrap_or((NONE, NONE)));
+    (c.touching && sides[0].0 != sides[1].0).then_some(sides)
+}
+
+/// g of a point for body A (0) or B (1).
+fn row_of(block: &Block, lane: usize, point: usize, side: usize) -> Six {
+    let (n, j) = (block.normal.get(lane), &block.points[point].j);
+    let (n, turn) = if side == 0 { (-n, -j.a.get(lane)) } else { (n, j.b.get(lane)) };
+    [n.x, n.y, n.z, turn.x, turn.y, turn.z].map(f64::from)
+}
+
+fn dot(a: &Six, b: &Six) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The rows of a pass, and what they act on.
+struct Work<'a> {
+    rows: &'a mut [Leaning],
+    sets: &'a mut [JointSet],
+    blocks: &'a mut [Vec<Block>],
+    state: &'a mut [BodyState],
+}
+
+impl Work<'_> {
+    /// Runs `f` over the world's rows between reading velocities and handing out what was given.
+    fn run<T>(world: &mut World, none: T, f: impl FnOnce(&mut Work<'_>) -> T) -> T {
+        if world.scratch.leanings.rows.is_empty() {
+            return none;
+        }
+        let scratch = &mut world.scratch;
+        let mut work = Work {
+            rows: &mut scratch.leanings.rows,
+            sets: &mut scratch.joints.sets,
+            blocks: &mut scratch.blocks,
+            state: &mut world.awake.state,
+        };
+        work.begin();
+        let out = f(&mut work);
+        work.end();
+        out
+    }
+
+    fn begin(&mut self) {
+        for set in self.sets.iter_mut().filter(|s| s.leaned) {
+            let Firm { bodies, u, given, .. } = &mut set.firm;
+            for ((&b, u), given) in bodies.iter().zip(u).zip(given) {
+                let s = &self.state[set.bodies[b].row as usize];
+                let (v, w) = (s.v(), s.w());
+                *u = [v.x, v.y, v.z, w.x, w.y, w.z].map(f64::from);
+                *given = [0.0; 6];
+            }
+        }
+    }
+
+    fn end(&mut self) {
+        for set in self.sets.iter_mut().filter(|s| s.leaned) {
+            set.spread(|row, dv, dw| {
+                let s = &mut self.state[row as usize];
+                s.set_velocity(s.v() + dv, s.w() + dw);
+            });
+        }
+    }
+
+    fn speed(&self, r: &Leaning, point: usize) -> f32 {
+        let block = &self.blocks[r.color][r.block];
+        let mut speed = 0.0;
+        for (i, side) in r.sides.iter().enumerate() {
+            let g = row_of(block, r.lane, point, i);
+            if let Some(set) = self.sets.get(side.set as usize) {
+                speed += dot(&g, &set.firm.u[side.place]);
+            } else if let Some(s) = self.state.get(side.row as usize) {
+                let (v, w) = (s.v(), s.w());
+                speed += dot(&g, &[v.x, v.y, v.z, w.x, w.y, w.z].map(f64::from));
+            }
+        }
+        speed as f32
+    }
+
+    fn push(&mut self, r: &Leaning, point: usize, d: f32) {
+        if d == 0.0 {
+            return;
+        }
+        let block = &self.blocks[r.color][r.block];
+        for (i, side) in r.sides.iter().enumerate() {
+            if let Some(set) = self.sets.get_mut(side.set as usize) {
+                let g = row_of(block, r.lane, point, i);
+                let d = f64::from(d);
+                set.firm.given[side.place].iter_mut().zip(g).for_each(|(x, g)| *x += g * d);
+                set.firm.react(side.first + point, d);
+            } else if let Some(s) = self.state.get_mut(side.row as usize) {
+                let (n, j) = (block.normal.get(r.lane), &block.points[point].j);
+                let (inv_mass, turn, sign) = if i == 0 {
+                    (block.inv_mass_a[r.lane], j.ia.get(r.lane), -1.0)
+                } else {
+                    (block.inv_mass_b[r.lane], j.ib.get(r.lane), 1.0)
+                };
+                s.set_velocity(s.v() + n * (sign * inv_mass * d), s.w() + turn * (sign * d));
+            }
+        }
+    }
+
+    /// Impulse of a point so far.
+    fn impulse(&mut self, r: &Leaning, point: usize) -> &mut f32 {
+        &mut self.blocks[r.color][r.block].points[point].impulse[r.lane]
+    }
+
+    /// Gap of a point now, m.
+    fn gap(&self, r: &Leaning, point: usize) -> f32 {
+        let block = &self.blocks[r.color][r.block];
+        let p = &block.points[point];
+        let moved = |side: &Side| {
+            let m = self.state.get(side.row as usize).unwrap_or(&BodyState::FIXED).get();
+            (m.dp, m.dr)
+        };
+        let [(pa, ta), (pb, tb)] = [moved(&r.sides[0]), moved(&r.sides[1])];
+        let turned = p.j.b.get(r.lane).dot(tb) - p.j.a.get(r.lane).dot(ta);
+        p.separation[r.lane] + block.normal.get(r.lane).dot(pb - pa) + turned
+    }
+
+    fn sweeps(&mut self) {
+        for _ in 0..SWEEPS {
+            let mut change = 0.0;
+            for i in 0..self.rows.len() {
+                let r = self.rows[i];
+                for (k, p) in r.points.iter().enumerate().take(r.count) {
+                    let (speed, old) = (self.speed(&r, k), *self.impulse(&r, k));
+                    let wanted = old - p.mass * (p.scale * speed + p.bias) - p.soft * old;
+                    let new = f32s::clamp(wanted, 0.0, p.mass * SPEED_MOST);
+                    *self.impulse(&r, k) = new;
+                    self.push(&r, k, new - old);
+                    if p.mass > 0.0 {
+                        change = f32s::max(change, (new - old).abs() / p.mass);
+                    }
+                }
+            }
+            if change < QUIET {
+                return;
+            }
+        }
+    }
+}
+
+/// Impulses of the last substep once more.
+pub(crate) fn warm(world: &mut World) {
+    Work::run(world, (), |w| {
+        for i in 0..w.rows.len() {
+            let r = w.rows[i];
+            for k in 0..r.count {
+                let impulse = *w.impulse(&r, k);
+                w.push(&r, k, impulse);
+            }
+        }
+    });
+}
+
+/// Normal rows with soft bias, as `room::contacts::solve` has them.
+pub(crate) fn solve(world: &mut World, step: &Step) {
+    let k = step.constants;
+    Work::run(world, (), |w| {
+        w.aim(|block, l, s| soften(block, l, s, &k));
+        w.sweeps();
+    });
+}
+
+fn soften(block: &Block, l: usize, s: f32, k: &StepConstants) -> [f32; 3] {
+    if s > 0.0 {
+        return [s * k.inv_h, 1.0, 0.0];
+    }
+    let sigma = block.mass_scale[l];
+    [f32s::max(sigma * block.bias_rate[l] * s, block.push_out[l]), sigma, block.impulse_scale[l]]
+}
+
+/// Without bias; then what joints gave in the substep is known.
+pub(crate) fn relax(world: &mut World, step: &Step) {
+    let k = step.constants;
+    Work::run(world, (), |w| {
+        w.aim(|_, _, s| [f32s::max(s, 0.0) * k.inv_h, 1.0, 0.0]);
+        w.sweeps();
+    });
+    if world.scratch.leanings.rows.is_empty() {
+        return;
+    }
+    let k = constants(world, step);
+    let mut sets = core::mem::take(&mut world.scratch.joints.sets);
+    sets.iter_mut().filter(|s| s.leaned).for_each(|s| s.account(&world.joints, &k));
+    world.scratch.joints.sets = sets;
+}
+
+impl Work<'_> {
+    fn aim(&mut self, f: impl Fn(&Block, usize, f32) -> [f32; 3]) {
+        for i in 0..self.rows.len() {
+            let mut r = self.rows[i];
+            for k in 0..r.count {
+                let s = self.gap(&r, k);
+                let p = &mut r.points[k];
+                [p.bias, p.scale, p.soft] = f(&self.blocks[r.color][r.block], r.lane, s);
+            }
+            self.rows[i] = r;
+        }
+    }
+}
+
+/// One pass of restitution, as `room::contacts::solve` has it; gives the largest change of a rebound speed, m/s, negative for none.
+pub(crate) fn restitute(world: &mut World, pass: Pass) -> f32 {
+    let back = pass == Pass::Restitution;
+    Work::run(world, -1.0, |w| {
+        let mut change = -1.0;
+        for i in 0..w.rows.len() {
+            let r = w.rows[i];
+            let (color, block, l) = (r.color, r.block, r.lane);
+            let b = &w.blocks[color][block];
+            let total: f32 = b.points[..r.count].iter().map(|p| p.total[l]).sum();
+            let mut budget = b.compression[l] * (1.0 + b.restitution[l] * POISSON) - total;
+            for (k, p) in r.points.iter().enumerate().take(r.count) {
+                let rows = &w.blocks[color][block].points[k];
+                let (rebound, total, old) = (rows.rebound[l], rows.total[l], rows.impulse[l]);
+                if rebound <= 0.0 || total <= 0.0 || p.mass <= 0.0 {
+                    continue;
+                }
+                let target = if back { rebound } else { 0.0 };
+                let wanted = f32s::clamp(old - p.mass * (w.speed(&r, k) - target), 0.0, p.mass * SPEED_MOST);
+                let new =
+                    if back { f32s::min(wanted, old + f32s::max(budget, 0.0)) } else { f32s::max(wanted, old) };
+                budget -= new - old;
+                let rows = &mut w.blocks[color][block].points[k];
+                rows.impulse[l] = new;
+                rows.total[l] = total + (new - old);
+                change = f32s::max(change, (new - old).abs() / p.mass);
+                w.push(&r, k, new - old);
+            }
+        }
+        change
+    })
+}
