@@ -1132,6 +1132,70 @@ fn a_loop_of_hinges_tells_its_true_forces() {
     assert!(across < 0.01 * weight as f32 && moment < 0.01 * weight as f32, "{across} N, {moment} N m");
 }
 
+/// Hinges of one axis say the same; each bears its part. A door of 25 kg whose centre is 0.46 m from the axis, at 3 rad/s: m ω² r = 103.5 N across.
+/// Before, two hinges pulled at one another with 7 kN.
+#[test]
+fn hinges_of_a_door_share_its_load() {
+    for n in [1, 2, 3] {
+        let mut w = world();
+        let post = anchor(&mut w);
+        let mut door = BodyDesc::dynamic().at([0.46, 1.0, 0.0]).velocity([0.0, 0.0, -1.38]);
+        door = door.angular_velocity([0.0, 3.0, 0.0]);
+        let door = w.add_body(door.shape(ShapeDesc::cuboid([0.45, 1.0, 0.02]).mass(25.0))).unwrap();
+        let joints: Vec<_> = (0..n)
+            .map(|i| [0.0, if n == 1 { 1.0 } else { 0.2 + 1.6 * f64::from(i) / f64::from(n - 1) }, 0.0])
+            .map(|at| {
+                w.add_joint(JointDesc::hinge(post, door, at, Vec3::Y).breaks_at(400.0, f32::INFINITY))
+                    .unwrap()
+            })
+            .collect();
+        for _ in 0..120 {
+            w.step().unwrap();
+            let mut sum = Vec3::ZERO;
+            let mut most: f32 = 0.0;
+            for &j in &joints {
+                let f = w.joint(j).unwrap().force();
+                sum += f;
+                most = f32s::max(most, f.length());
+            }
+            let across = Vec3::new(sum.x, 0.0, sum.z).length();
+            assert!((across / 103.5 - 1.0).abs() < 0.02, "{n}: {across} N across");
+            assert!((sum.y / (25.0 * 9.81) - 1.0).abs() < 0.02, "{n}: {} N up", sum.y);
+            // Nothing asks for more of one than all bear together.
+            assert!(most < 1.05 * sum.length(), "{n}: {most} N in one of {} N", sum.length());
+        }
+    }
+}
+
+/// Four beams welded to a square turn about its middle: each corner pulls half its beams around, and nothing bends. Before, 776 N and 428 N m.
+#[test]
+fn a_welded_frame_that_turns_has_no_moments() {
+    let mut w = World::new(WorldDesc { gravity: Vec3::ZERO, ..WorldDesc::default() }).unwrap();
+    let spin = 5.0;
+    let beams: Vec<_> = [(0.5, 0.0), (0.0, 0.5), (-0.5, 0.0), (0.0, -0.5)]
+        .into_iter()
+        .map(|(x, z): (f64, f64)| {
+            let half = if x == 0.0 { [0.45, 0.05, 0.05] } else { [0.05, 0.05, 0.45] };
+            let v = [spin * z as f32, 0.0, -spin * x as f32];
+            let beam = BodyDesc::dynamic().at([x, 0.0, z]).velocity(v).angular_velocity([0.0, spin, 0.0]);
+            w.add_body(beam.shape(ShapeDesc::cuboid(half).mass(5.0))).unwrap()
+        })
+        .collect();
+    let corners = [[0.5, 0.0, 0.5], [-0.5, 0.0, 0.5], [-0.5, 0.0, -0.5], [0.5, 0.0, -0.5]];
+    let joints: Vec<_> = (0..4)
+        .map(|i| w.add_joint(JointDesc::fixed(beams[i], beams[(i + 1) % 4], corners[i])).unwrap())
+        .collect();
+    // A beam needs m ω² r = 62.5 N from two corners, each pulling towards the other's end: 62.5/√2.
+    let want = 5.0 * spin * spin * 0.5 / core::f32::consts::SQRT_2;
+    for _ in 0..120 {
+        w.step().unwrap();
+        for &j in &joints {
+            let (f, t) = (w.joint(j).unwrap().force().length(), w.joint(j).unwrap().torque().length());
+            assert!((f / want - 1.0).abs() < 0.02 && t < 0.5, "{f} N for {want}, {t} N m");
+        }
+    }
+}
+
 /// A stiff spring on a light body carries the heavy one that hangs on it: it stretches by m g/k.
 #[test]
 fn a_stiff_spring_carries_what_hangs_on_a_light_limb() {

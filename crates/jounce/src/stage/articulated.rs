@@ -61,6 +61,8 @@ const TURN: f32 = 0.1;
 /// Sweeps over the points in a pass, at most, and the change of a speed that ends them, m/s.
 const SWEEPS: usize = 8;
 const QUIET: f32 = 1e-4;
+/// Turn of a body since the matrix of its set was made that makes another, rad.
+const TURNED: f32 = 0.02;
 /// Points times bodies that contacts touch, and times joints: beyond that a set's contacts are solved as others are.
 const RESPONSES: usize = 4096;
 const SOLVES: usize = 8192;
@@ -72,17 +74,17 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     s.rows.clear();
     world.scratch.joints.sets.iter_mut().for_each(|set| set.leaned = false);
     if world.scratch.joints.sets.iter().any(JointSet::bears) {
-        gather(world, step, &mut s);
+        gather(world, &mut s);
     }
     world.scratch.leanings = s;
 }
 
-fn gather(world: &mut World, step: &Step, s: &mut Leanings) {
+fn gather(world: &mut World, s: &mut Leanings) {
     let mut sets = core::mem::take(&mut world.scratch.joints.sets);
     s.owners.clear();
     s.owners.resize(world.awake.state.len(), (NONE, NONE));
     for (i, set) in sets.iter_mut().enumerate().filter(|(_, set)| set.bears()) {
-        set.firm.clear();
+        set.firm.clear(set.bodies.len());
         for (k, b) in set.bodies.iter().enumerate().filter(|(_, b)| b.moves()) {
             if let Some(owner) = s.owners.get_mut(b.row as usize) {
                 *owner = (i as u32, k as u32);
@@ -95,67 +97,90 @@ fn gather(world: &mut World, step: &Step, s: &mut Leanings) {
     let contacts = || world.contacts.iter().filter_map(|c| Some((c, owners(frames, &s.owners, c)?)));
     for (c, sides) in contacts() {
         for (set, body) in sides {
-            if let Some(list) = sets.get_mut(set as usize).map(|set| &mut set.firm.bodies) {
-                s.points[set as usize] += points(c);
-                if !list.contains(&(body as usize)) {
-                    list.push(body as usize);
-                }
+            if let Some(set) = sets.get_mut(set as usize) {
+                set.firm.touch(body as usize);
+            }
+            if let Some(n) = s.points.get_mut(set as usize) {
+                *n += points(c);
             }
         }
     }
-    let (points, shared) = (&s.points, &*world);
-    world.tasks.for_each(&mut sets, 1, |i, set| {
-        let (n, bodies) = (points[i], set.firm.bodies.len());
+    for (set, &n) in sets.iter_mut().zip(&s.points) {
+        let bodies = set.firm.bodies.len();
         set.leaned = n > 0 && n * bodies <= RESPONSES && n * set.joints.len() <= SOLVES;
         if set.leaned {
-            set.bodies.iter_mut().for_each(|b| load(shared, b));
-            set.firm(&shared.joints, step.constants.h);
-            set.firm.u.resize(bodies, [0.0; 6]);
-            set.firm.given.resize(bodies, [0.0; 6]);
+            set.firm.reserve(n);
         }
-    });
+    }
     s.points.fill(0);
     for (c, owners) in contacts() {
         if !owners.iter().any(|o| sets.get(o.0 as usize).is_some_and(|s| s.leaned)) {
             continue;
         }
+        let bodies = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
         for m in c.manifolds().filter(|m| m.row.1 != NONE) {
             let count = usize::from(m.count).min(4);
             let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
             let (block, lane) = (row / LANES, row % LANES);
-            let rows = &mut world.scratch.blocks[color][block];
-            let mut inverse = [0.0_f64; 4];
-            let bodies = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
-            let mut at = 0;
-            let sides = owners.map(|(set, body)| {
-                let mut side = Side { row: bodies[at], set: NONE, place: 0, first: 0 };
-                let list = sets.get_mut(set as usize).filter(|s| s.leaned);
-                if let Some(list) = list {
-                    let place = list.firm.bodies.iter().position(|&b| b == body as usize).unwrap_or(0);
-                    let first = s.points[set as usize];
+            let mut sides = bodies.map(|row| Side { row, set: NONE, place: 0, first: 0 });
+            for (side, (set, body)) in sides.iter_mut().zip(owners) {
+                if let Some(list) = sets.get(set as usize).filter(|s| s.leaned) {
+                    side.set = set;
+                    side.place = list.firm.place(body as usize);
+                    side.first = s.points[set as usize];
                     s.points[set as usize] += count;
-                    (side.set, side.place, side.first) = (set, place, first);
-                    for (k, inverse) in inverse.iter_mut().enumerate().take(count) {
-                        let g = row_of(rows, lane, k, at);
-                        list.add_point(place, &g);
-                        *inverse += dot(&g, &list.firm.response(first + k)[place]);
-                    }
-                } else {
-                    let mass = if at == 0 { &rows.inv_mass_a } else { &rows.inv_mass_b }[lane];
-                    for (p, inverse) in rows.points.iter().zip(&mut inverse).take(count) {
-                        let (j, i) = if at == 0 { (&p.j.a, &p.j.ia) } else { (&p.j.b, &p.j.ib) };
-                        *inverse += f64::from(mass + j.get(lane).dot(i.get(lane)));
-                    }
                 }
-                at += 1;
-                side
-            });
-            let mut leaning = Leaning { color, block, lane, count, sides, points: [Point::default(); 4] };
-            for ((p, rows), inverse) in leaning.points.iter_mut().zip(&mut rows.points).zip(inverse) {
-                p.mass = if inverse > 0.0 { (1.0 / inverse) as f32 } else { 0.0 };
-                rows.mass[lane] = 0.0;
             }
-            s.rows.push(leaning);
+            let points = &mut world.scratch.blocks[color][block].points;
+            points.iter_mut().for_each(|p| p.mass[lane] = 0.0);
+            s.rows.push(Leaning { color, block, lane, count, sides, points: [Point::default(); 4] });
+        }
+    }
+    world.scratch.joints.sets = sets;
+}
+
+/// As a substep starts: responses and masses, of sets that have turned since they were made.
+pub(crate) fn renew(world: &mut World, step: &Step) {
+    if world.scratch.leanings.rows.is_empty() {
+        return;
+    }
+    let mut sets = core::mem::take(&mut world.scratch.joints.sets);
+    let shared: &World = world;
+    shared.tasks.for_each(&mut sets, 1, |_, set| {
+        if set.leaned {
+            set.bodies.iter_mut().for_each(|b| load(shared, b));
+            set.firm.stale = set.has_turned(TURNED);
+            if set.firm.stale {
+                set.firm(&shared.joints, step.constants.h);
+            }
+        }
+    });
+    let (rows, blocks) = (&mut world.scratch.leanings.rows, &world.scratch.blocks);
+    for r in rows.iter_mut() {
+        if !r.sides.iter().any(|s| sets.get(s.set as usize).is_some_and(|s| s.firm.stale)) {
+            continue;
+        }
+        let block = &blocks[r.color][r.block];
+        for (k, p) in r.points.iter_mut().enumerate().take(r.count) {
+            let mut inverse = 0.0;
+            for (i, side) in r.sides.iter().enumerate() {
+                let g = row_of(block, r.lane, k, i);
+                if let Some(set) = sets.get_mut(side.set as usize) {
+                    if set.firm.stale {
+                        set.respond(side.first + k, side.place, &g);
+                    }
+                    inverse += dot(&g, &set.firm.response(side.first + k)[side.place]);
+                } else {
+                    let j = &block.points[k].j;
+                    let (mass, turn) = if i == 0 {
+                        (block.inv_mass_a[r.lane], j.a.get(r.lane).dot(j.ia.get(r.lane)))
+                    } else {
+                        (block.inv_mass_b[r.lane], j.b.get(r.lane).dot(j.ib.get(r.lane)))
+                    };
+                    inverse += f64::from(mass + turn);
+                }
+            }
+            p.mass = if inverse > 0.0 { (1.0 / inverse) as f32 } else { 0.0 };
         }
     }
     world.scratch.joints.sets = sets;
@@ -256,6 +281,7 @@ impl Work<'_> {
         }
     }
 
+    /// Hands out what was given.
     fn end(&mut self) {
         for set in self.sets.iter_mut().filter(|s| s.leaned) {
             set.spread(|row, dv, dw| {
@@ -321,6 +347,16 @@ impl Work<'_> {
         p.separation[r.lane] + block.normal.get(r.lane).dot(pb - pa) + turned
     }
 
+    fn warm(&mut self) {
+        for i in 0..self.rows.len() {
+            let r = self.rows[i];
+            for k in 0..r.count {
+                let impulse = *self.impulse(&r, k);
+                self.push(&r, k, impulse);
+            }
+        }
+    }
+
     fn sweeps(&mut self) {
         for _ in 0..SWEEPS {
             let mut change = 0.0;
@@ -344,23 +380,12 @@ impl Work<'_> {
     }
 }
 
-/// Impulses of the last substep once more.
-pub(crate) fn warm(world: &mut World) {
-    Work::run(world, (), |w| {
-        for i in 0..w.rows.len() {
-            let r = w.rows[i];
-            for k in 0..r.count {
-                let impulse = *w.impulse(&r, k);
-                w.push(&r, k, impulse);
-            }
-        }
-    });
-}
-
-/// Normal rows with soft bias, as `room::contacts::solve` has them.
+/// Impulses of the last substep once more, then normal rows with soft bias, as `room::contacts::solve` has them. In one pass: velocities that the
+/// impulses alone would make are none that joints, whose errors are not linear, should look ahead with.
 pub(crate) fn solve(world: &mut World, step: &Step) {
     let k = step.constants;
     Work::run(world, (), |w| {
+        w.warm();
         w.aim(|block, l, s| soften(block, l, s, &k));
         w.sweeps();
     });
@@ -423,8 +448,11 @@ pub(crate) fn restitute(world: &mut World, pass: Pass) -> f32 {
                 }
                 let target = if back { rebound } else { 0.0 };
                 let wanted = f32s::clamp(old - p.mass * (w.speed(&r, k) - target), 0.0, p.mass * SPEED_MOST);
-                let new =
-                    if back { f32s::min(wanted, old + f32s::max(budget, 0.0)) } else { f32s::max(wanted, old) };
+                let new = if back {
+                    f32s::min(wanted, old + f32s::max(budget, 0.0))
+                } else {
+                    f32s::max(wanted, old)
+                };
                 budget -= new - old;
                 let rows = &mut w.blocks[color][block].points[k];
                 rows.impulse[l] = new;

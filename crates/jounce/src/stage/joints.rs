@@ -365,11 +365,6 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut JointSet) + Sync) {
 }
 
 pub(super) fn load(world: &World, b: &mut Local) {
-    load_motion(world, b);
-    b.raw = b.tensor;
-}
-
-fn load_motion(world: &World, b: &mut Local) {
     let Some(state) = world.awake.state.get(b.row as usize) else { return };
     b.m = state.get();
     (b.inv_mass, b.tensor) = (b.start_inv_mass, b.start_tensor);

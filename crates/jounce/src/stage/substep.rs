@@ -24,8 +24,8 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     for i in 0..step.substeps {
         velocities(world, step);
         super::fields::act(world, step, i);
+        articulated::renew(world, step);
         sweep(world, Pass::Warm, step);
-        articulated::warm(world);
         super::joints::solve(world, step, i);
         super::vehicles::act(world, step);
         articulated::solve(world, step);

@@ -224,18 +224,19 @@ impl Plan {
         n.a[at] += value;
     }
     /// Part of their own diagonal by which the rows of a joint of a loop yield.
-    fn gives(&self, k: usize) -> f64 {
+    fn gives(&self, k: usize, even: bool) -> f64 {
         match (self.closes[k], self.looped[k]) {
             (true, _) => CLOSING_COMPLIANCE,
+            (_, true) if even => CLOSING_COMPLIANCE,
             (_, true) => LOOP_COMPLIANCE,
             _ => 0.0,
         }
     }
-    /// A = L D Lᵀ.
-    pub fn factor(&self, n: &mut Numbers) {
+    /// A = L D Lᵀ; `even`: all joints of loops yield alike.
+    pub fn factor(&self, n: &mut Numbers, even: bool) {
         for k in (0..self.order.len()).filter(|&k| self.looped[k]) {
             let (size, d) = (n.size(k as u32), self.diagonal[k] as usize);
-            let part = self.gives(k);
+            let part = self.gives(k, even);
             for i in 0..size {
                 n.a[d + i * size + i] *= 1.0 + part;
             }
@@ -502,7 +503,7 @@ mod tests {
                 }
             }
         }
-        plan.factor(&mut n);
+        plan.factor(&mut n, false);
         let rhs: Vec<Vec<f64>> = links.iter().map(|l| (0..l.0).map(|_| random()).collect()).collect();
         for (i, r) in rhs.iter().enumerate() {
             for (row, v) in r.iter().enumerate() {
@@ -516,7 +517,7 @@ mod tests {
                 for (k, l) in links.iter().enumerate() {
                     for c in 0..usize::from(l.0) {
                         let own = k == i && c == row;
-                        let gives = if own { plan.gives(plan.position[i] as usize) } else { 0.0 };
+                        let gives = if own { plan.gives(plan.position[i] as usize, false) } else { 0.0 };
                         sum += (1.0 + gives) * entry(i, row, k, c) * plan.get(&n, k, c);
                     }
                 }

@@ -16,8 +16,6 @@ pub(crate) struct Local {
     /// Inverse mass along each world axis: 0 along locked ones.
     pub inv_mass: Vec3,
     pub tensor: InvInertia,
-    /// The tensor without what tension adds.
-    pub raw: InvInertia,
     /// Torque-free memory, and the velocity it was told last.
     pub turning: Option<Turning>,
     /// Turns freely: inertia follows the rotation.
@@ -49,7 +47,6 @@ impl Local {
             at: Vec3::ZERO,
             inv_mass: Vec3::ZERO,
             tensor: InvInertia::default(),
-            raw: InvInertia::default(),
             turning: None,
             free: false,
             start_inv_mass: Vec3::ZERO,

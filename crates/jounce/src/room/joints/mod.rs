@@ -30,6 +30,7 @@ pub(crate) mod parts;
 pub(crate) mod path;
 pub(crate) mod place;
 pub(crate) mod pulley;
+pub(crate) mod redundant;
 pub(crate) mod rows;
 pub(crate) mod set;
 pub(crate) mod slider;

@@ -29,7 +29,7 @@ use super::direct::{Numbers, Plan, ROWS};
 use super::extra::Sweep;
 use super::local::Local;
 use super::place::Kept;
-use super::solve::{HARD, Solve, counts, dot64, limited};
+use super::solve::{Solve, counts, dot64, limited};
 use super::state::Joints;
 use crate::room::contacts::prepare::Softness;
 use crate::room::rigid::state::NONE;
@@ -79,14 +79,15 @@ pub(crate) struct JointSet {
     pub(super) straight: bool,
     /// The pass found no active set: ends hold both ways.
     pub(super) fixed: bool,
-    /// One of its bodies is much heavier than another, or enough so for contacts to ask.
+    /// One of its bodies is much heavier than another.
     pub(super) loaded: bool,
-    pub(super) uneven: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
     /// Contacts ask what hangs on its bodies.
     pub leaned: bool,
     pub firm: Firm,
+    /// Factors of another matrix than that of the passes.
+    pub(super) other: Numbers,
     /// Pairs of joints that share a moving body, and which.
     shared: Vec<(u32, u32, u32)>,
     pub(super) kept: Kept,
@@ -116,8 +117,7 @@ impl JointSet {
             self.joints.iter().map(|s| (size(s) as u8, [moving(s.a), moving(s.b)])).collect();
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
         let n = self.joints.len();
-        let ratio = self.ratio(inv_mass);
-        (self.loaded, self.uneven) = (ratio > LOAD, ratio > UNEVEN);
+        self.loaded = self.is_loaded(inv_mass);
         let most = if any(JointSolver::Direct) {
             FILL_ASKED * n + FILL_SMALL
         } else if any(JointSolver::Iterative) {
@@ -143,12 +143,12 @@ impl JointSet {
         }
     }
 
-    /// How much heavier one of its bodies is than another.
-    fn ratio(&self, inv_mass: impl Fn(u32) -> f32) -> f32 {
+    /// Is one of its bodies much heavier than another?
+    fn is_loaded(&self, inv_mass: impl Fn(u32) -> f32) -> bool {
         let masses = self.bodies.iter().map(|b| inv_mass(b.slot)).filter(|m| *m > 0.0);
         let (least, most) =
             masses.fold((f32::INFINITY, 0.0), |(least, most), m| (f32s::min(least, m), f32s::max(most, m)));
-        most / least
+        most > LOAD * least
     }
 
     pub(super) fn refresh(&mut self, joints: &Joints) {
@@ -166,7 +166,6 @@ impl JointSet {
 
     /// The matrix of the rows that take part, in factors.
     pub(super) fn factor(&mut self, h: f32) {
-        let Some(plan) = &self.plan else { return };
         let pattern = |s: &Solve| s.packed[..s.count].iter().fold(0_u64, |x, &c| x | (1 << c));
         let same = self.fresh
             && self.factored.len() == self.joints.len()
@@ -174,6 +173,17 @@ impl JointSet {
         if same {
             return;
         }
+        self.fill(h);
+        let Some(plan) = &self.plan else { return };
+        plan.factor(&mut self.numbers, false);
+        self.factored.clear();
+        self.factored.extend(self.joints.iter().map(pattern));
+        self.fresh = true;
+    }
+
+    /// A of the rows that take part.
+    pub(super) fn fill(&mut self, h: f32) {
+        let Some(plan) = &self.plan else { return };
         let n = &mut self.numbers;
         plan.clear(n, |j| self.joints[j].count);
         for &(i, k, body) in &self.shared {
@@ -192,21 +202,12 @@ impl JointSet {
         }
         for (i, s) in self.joints.iter().enumerate() {
             for (r, &code) in s.packed[..s.count].iter().enumerate() {
-                let c = match usize::from(code) {
-                    c if c < HARD => {
-                        f64::from(s.softness(c, &self.bodies, h).map_or(s.give_way[c], |(gives, _)| gives))
-                    }
-                    c => s.extra[c - HARD].compliance(h),
-                };
+                let c = s.compliance(code, &self.bodies, h);
                 if c > 0.0 {
                     plan.add_diagonal(n, i, r, c);
                 }
             }
         }
-        plan.factor(n);
-        self.factored.clear();
-        self.factored.extend(self.joints.iter().map(pattern));
-        self.fresh = true;
     }
 
     fn gears(&mut self, k: &Constants, sweep: Sweep, warm: bool) {
@@ -355,6 +356,7 @@ impl JointSet {
 
     /// What joints gave in the substep, for who asks and for what breaks.
     pub fn account(&mut self, joints: &Joints, k: &Constants) {
+        self.share_out(k);
         for s in &mut self.joints {
             let rb = self.bodies[s.b].m.dq.rotate(s.start.rb);
             s.account(&joints.table[s.id], k, rb);
@@ -369,8 +371,6 @@ const FILL_SMALL: usize = 64;
 const FILL_LOADED: usize = 2048;
 /// How many times the lightest body's mass makes a load.
 const LOAD: f32 = 10.0;
-/// The same for contacts: less is made up for by the passes of a step.
-const UNEVEN: f32 = 1.5;
 /// Blocks for each joint where the direct solver is asked for.
 const FILL_ASKED: usize = 64;
 /// A joint is torn where it is off by more than errors are taken back in this time, s: a metre.

@@ -342,6 +342,22 @@ impl Solve {
         let i = usize::from(code);
         if i < HARD { &self.hard.rows[i] } else { &self.extra[i - HARD].row }
     }
+    /// What a row gives way by, velocity per impulse.
+    pub(super) fn compliance(&self, code: u8, bodies: &[Local], h: f32) -> f64 {
+        match usize::from(code) {
+            c if c < HARD => {
+                f64::from(self.softness(c, bodies, h).map_or(self.give_way[c], |(gives, _)| gives))
+            }
+            c => self.extra[c - HARD].compliance(h),
+        }
+    }
+    /// Impulse of a row in this substep.
+    pub(super) fn impulse(&self, code: u8) -> f32 {
+        match usize::from(code) {
+            c if c < HARD => self.lambda[c],
+            c => self.extra[c - HARD].impulse,
+        }
+    }
     /// Ends and motors that the direct solve may take.
     pub(super) fn taken(&self) -> usize {
         self.extra.len().min(ROWS - self.hard.n)
