@@ -226,9 +226,12 @@ fn points(c: &Contact) -> usize {
 
 /// Whose the bodies of a contact are, where some set's are touched from outside.
 fn owners(frames: &[BodyFrame], owners: &[(u32, u32)], c: &Contact) -> Option<[(u32, u32); 2]> {
+    if !c.touching {
+        return None;
+    }
     let sides = [c.body_a, c.body_b]
         .map(|b| owners.get(frames[b as usize].row as usize).copied().unwrap_or((NONE, NONE)));
-    (c.touching && sides[0].0 != sides[1].0).then_some(sides)
+    (sides[0].0 != sides[1].0).then_some(sides)
 }
 
 /// g of a point for body A (0) or B (1).

@@ -256,7 +256,11 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, speeds: &Speeds, k: &StepConstants
         *arm = ra;
         let present = L::load(&rows.mass[at..]);
         let kn = set_jacobian(&mut rows.j, inertia, n, ra, ra.sub(offset), m);
-        (invert(kn) * present).store(&mut rows.mass[at..]);
+        let mass = invert(kn) * present;
+        mass.store(&mut rows.mass[at..]);
+        // What cannot be moved is not pushed, and keeps nothing of what it was.
+        let old = L::load(&rows.impulse[at..]);
+        L::select(mass.gt(L::zero()), old, L::zero()).store(&mut rows.impulse[at..]);
         L::zero().store(&mut rows.total[at..]);
         let s = L::load(&rows.separation[at..]);
         let vn = n.dot(dv) + Wide3::load(&rows.j.b, at).dot(wb) - Wide3::load(&rows.j.a, at).dot(wa);

@@ -112,7 +112,7 @@ impl JointSet {
         self.firm.rows.clear();
         self.firm
             .rows
-            .extend(self.joints.iter().flat_map(|s| s.packed[..s.count].iter().map(|&c| s.row(c).clone())));
+            .extend(self.joints.iter().flat_map(|s| s.packed[..s.count].iter().map(|&c| *s.row(c))));
         self.firm.tensors.clear();
         self.firm.tensors.extend(self.bodies.iter().map(|b| b.tensor));
         self.firm.turns.clear();
