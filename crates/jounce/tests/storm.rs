@@ -95,7 +95,9 @@ fn random_worlds_with_joints_stay_sane() {
 #[expect(clippy::disallowed_methods, reason = "worlds on one thread each, several at a time")]
 fn storms(test: &str, jointed: bool) {
     if let Ok(seed) = std::env::var("JOUNCE_STORM_SEED") {
-        run(seed.parse().expect("a number"), jointed);
+        let seen = run(seed.parse().expect("a number"), jointed);
+        println!("{seen:?}");
+        assert_eq!(seen.quarantined, 0);
         return;
     }
     let seeds = if common::prove() { 2000 } else { 200 };

@@ -897,12 +897,13 @@ fn wind_and_media_reach_the_air_on_a_vehicle() {
 /// What is hung on a parked car by a joint is part of it. Before, 150 kg welded on in front drew it along at 3.6 mm/s for ever.
 #[test]
 fn a_parked_car_with_a_load_on_a_joint_stays() {
-    for mass in [50.0, 150.0, 500.0] {
+    // In the air in front of it, and so low that it rests on the road too.
+    for (mass, height) in [(50.0, 0.9), (150.0, 0.9), (500.0, 0.9), (50.0, 0.3)] {
         let mut w = world();
         road(&mut w, 1.0);
         let v = plain(1.0).add(&mut w, [0.0; 3], Quat::IDENTITY).unwrap();
         let car = chassis(&w, v);
-        let nose = w.body(car).unwrap().position() + DVec3::new(0.0, 0.3, 2.6);
+        let nose = w.body(car).unwrap().position() + DVec3::new(0.0, height, 2.6);
         let load = BodyDesc::dynamic().at(nose).shape(ShapeDesc::cuboid([0.3; 3]).mass(mass));
         let load = w.add_body(load).unwrap();
         w.add_joint(JointDesc::fixed(car, load, nose - DVec3::new(0.0, 0.0, 0.3))).unwrap();
@@ -913,7 +914,7 @@ fn a_parked_car_with_a_load_on_a_joint_stays() {
         let before = position(&w, v);
         steps(&mut w, 10.0);
         let way = (position(&w, v) - before).length();
-        println!("{mass} kg: {:.4} mm in 10 s", 1e3 * way);
+        println!("{mass} kg at {height} m: {:.4} mm in 10 s", 1e3 * way);
         assert!(way < 1e-3, "{mass} kg: {way} m");
     }
 }

@@ -10,10 +10,10 @@ use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::solve::{POISSON, Pass, SPEED_MOST};
 use crate::room::contacts::state::Contact;
 use crate::room::joints::articulated::{Firm, Six};
-use crate::room::joints::set::JointSet;
+use crate::room::joints::set::{Constants, JointSet};
 use crate::room::rigid::state::{BodyFrame, BodyState, NONE};
 use crate::world::World;
-use jounce_math::scalar::f32s;
+use jounce_math::scalar::{f32s, f64s};
 
 /// A manifold of which a body hangs on others.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,8 @@ struct Point {
     bias: f32,
     scale: f32,
     soft: f32,
+    /// Inverse mass that it would meet in each body of a set alone.
+    alone: [f64; 2],
 }
 
 /// One of its bodies.
@@ -63,6 +65,8 @@ const SWEEPS: usize = 8;
 const QUIET: f32 = 1e-4;
 /// Turn of a body since the matrix of its set was made that makes another, rad.
 const TURNED: f32 = 0.02;
+/// Part of a body's own inverse mass that it has at least: what is less is rounding.
+const LEAST: f64 = 1e-5;
 /// Points times bodies that contacts touch, and times joints: beyond that a set's contacts are solved as others are.
 const RESPONSES: usize = 4096;
 const SOLVES: usize = 8192;
@@ -167,9 +171,10 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
                 let g = row_of(block, r.lane, k, i);
                 if let Some(set) = sets.get_mut(side.set as usize) {
                     if set.firm.stale {
-                        set.respond(side.first + k, side.place, &g);
+                        p.alone[i] = set.respond(side.first + k, side.place, &g);
                     }
-                    inverse += dot(&g, &set.firm.response(side.first + k)[side.place]);
+                    let all = dot(&g, &set.firm.response(side.first + k)[side.place]);
+                    inverse += f64s::max(all, p.alone[i] * LEAST);
                 } else {
                     let j = &block.points[k].j;
                     let (mass, turn) = if i == 0 {
@@ -255,10 +260,11 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Runs `f` over the world's rows between reading velocities and handing out what was given.
-    fn run<T>(world: &mut World, none: T, f: impl FnOnce(&mut Work<'_>) -> T) -> T {
+    fn run<T>(world: &mut World, step: &Step, none: T, f: impl FnOnce(&mut Work<'_>) -> T) -> T {
         if world.scratch.leanings.rows.is_empty() {
             return none;
         }
+        let k = constants(world, step);
         let scratch = &mut world.scratch;
         let mut work = Work {
             rows: &mut scratch.leanings.rows,
@@ -268,7 +274,7 @@ impl Work<'_> {
         };
         work.begin();
         let out = f(&mut work);
-        work.end();
+        work.end(&k);
         out
     }
 
@@ -285,9 +291,9 @@ impl Work<'_> {
     }
 
     /// Hands out what was given.
-    fn end(&mut self) {
+    fn end(&mut self, k: &Constants) {
         for set in self.sets.iter_mut().filter(|s| s.leaned) {
-            set.spread(|row, dv, dw| {
+            set.spread(k, |row, dv, dw| {
                 let s = &mut self.state[row as usize];
                 s.set_velocity(s.v() + dv, s.w() + dw);
             });
@@ -387,7 +393,7 @@ impl Work<'_> {
 /// impulses alone would make are none that joints, whose errors are not linear, should look ahead with.
 pub(crate) fn solve(world: &mut World, step: &Step) {
     let k = step.constants;
-    Work::run(world, (), |w| {
+    Work::run(world, step, (), |w| {
         w.warm();
         w.aim(|block, l, s| soften(block, l, s, &k));
         w.sweeps();
@@ -405,7 +411,7 @@ fn soften(block: &Block, l: usize, s: f32, k: &StepConstants) -> [f32; 3] {
 /// Without bias; then what joints gave in the substep is known.
 pub(crate) fn relax(world: &mut World, step: &Step) {
     let k = step.constants;
-    Work::run(world, (), |w| {
+    Work::run(world, step, (), |w| {
         w.aim(|_, _, s| [f32s::max(s, 0.0) * k.inv_h, 1.0, 0.0]);
         w.sweeps();
     });
@@ -433,9 +439,9 @@ impl Work<'_> {
 }
 
 /// One pass of restitution, as `room::contacts::solve` has it; gives the largest change of a rebound speed, m/s, negative for none.
-pub(crate) fn restitute(world: &mut World, pass: Pass) -> f32 {
+pub(crate) fn restitute(world: &mut World, step: &Step, pass: Pass) -> f32 {
     let back = pass == Pass::Restitution;
-    Work::run(world, -1.0, |w| {
+    Work::run(world, step, -1.0, |w| {
         let mut change = -1.0;
         for i in 0..w.rows.len() {
             let r = w.rows[i];

@@ -35,7 +35,7 @@ fn passes(world: &mut World, step: &Step, pass: Pass) {
     let (mut change, mut passes) = (f32::MAX, 0);
     while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
         substep::sweep(world, pass, step);
-        let leaned = articulated::restitute(world, pass);
+        let leaned = articulated::restitute(world, step, pass);
         let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
         change = all.flat_map(|b| b.rebound_change).fold(leaned, f32s::max);
         passes += 1;

@@ -31,11 +31,12 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         articulated::solve(world, step);
         sweep(world, Pass::Solve, step);
         super::joints::answer(world, step);
-        super::vehicles::follow(world, step);
+        super::vehicles::go(world);
         positions(world, step);
         super::joints::relax(world, step, i + 1 == step.substeps);
         articulated::relax(world, step);
         sweep(world, Pass::Relax, step);
+        super::vehicles::follow(world, step);
     }
 }
 

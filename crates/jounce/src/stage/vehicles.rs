@@ -305,15 +305,25 @@ pub(crate) fn act(world: &mut World, step: &Step) {
     world.scratch.vehicles = s;
 }
 
-/// Before the positions move, after all impulses.
+/// Before the positions move, after all impulses: how treads will go.
+pub(crate) fn go(world: &mut World) {
+    each(world, |v, run| solve::go(v, run));
+}
+
+/// At the end of a substep: what has come of it.
 pub(crate) fn follow(world: &mut World, step: &Step) {
+    each(world, |v, run| solve::follow(v, run, step.constants.h));
+}
+
+/// Vehicles, where their bodies are now.
+fn each(world: &mut World, f: impl Fn(&mut Vehicle, &mut Run)) {
     let mut s = core::mem::take(&mut world.scratch.vehicles);
     let mut vehicles = core::mem::take(&mut world.vehicles);
     for run in &mut s.runs[..s.count] {
         let Some(v) = vehicles.table.get_mut(run.id) else { continue };
         load(world, &mut run.chassis);
         run.grounds.iter_mut().for_each(|g| load(world, g));
-        solve::follow(v, run, step.constants.h);
+        f(v, run);
     }
     world.vehicles = vehicles;
     world.scratch.vehicles = s;

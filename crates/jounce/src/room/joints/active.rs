@@ -442,7 +442,7 @@ impl JointSet {
 
 /// The part of a change of velocity and spin that takes a body no further from where the pass began than it may. (What rounds have taken
 /// back may be more than that.)
-fn bearable(b: &Local, k: &Constants) -> f64 {
+pub(super) fn bearable(b: &Local, k: &Constants) -> f64 {
     let change = |now: Vec3, before: Vec3, d: &[f64]| {
         let [x, y, z] = [0, 1, 2].map(|i| f64::from(now[i]) - f64::from(before[i]) + d[i]);
         (x * x + y * y + z * z).sqrt()

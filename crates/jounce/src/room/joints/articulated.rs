@@ -18,11 +18,12 @@
 use super::direct::{Numbers, ROWS};
 use super::local::Local;
 use super::rows::Row;
-use super::set::JointSet;
+use super::active::bearable;
+use super::set::{Constants, JointSet};
 use super::solve::{HARD, Solve, dot64};
 use super::state::Joints;
 use crate::room::rigid::state::InvInertia;
-use jounce_math::Vec3;
+use jounce_math::{Vec3, scalar::f64s};
 
 /// A motion, or an impulse and a moment, world axes.
 pub(crate) type Six = [f64; 6];
@@ -93,7 +94,7 @@ impl Firm {
 impl JointSet {
     /// Do its contacts ask what hangs on what they touch?
     pub fn bears(&self) -> bool {
-        self.plan.is_some() && self.is_alone()
+        self.plan.is_some() && self.is_alone() && std::env::var("NOLEAN").is_err()
     }
 
     /// The factors of what its joints hold both ways, where they stand now.
@@ -125,18 +126,22 @@ impl JointSet {
         self.firm.turns.is_empty() || self.bodies.iter().zip(&self.firm.turns).any(turned)
     }
 
-    /// A point: an impulse along `g` on one of the bodies that contacts touch.
-    pub fn respond(&mut self, point: usize, place: usize, g: &Six) {
+    /// A point: an impulse along `g` on one of the bodies that contacts touch. Gives what it alone would meet, g M⁻¹ gᵀ.
+    pub fn respond(&mut self, point: usize, place: usize, g: &Six) -> f64 {
         self.bodies.iter_mut().for_each(|b| b.dv = [0.0; 6]);
-        self.bodies[self.firm.bodies[place]].dv = *g;
+        let body = &mut self.bodies[self.firm.bodies[place]];
+        body.dv = *g;
+        let (v, w) = body.changed();
+        let own = g.iter().zip(v.into_iter().chain(w)).map(|(g, u)| g * u).sum();
         self.hold(|_, _, _| {});
         let Self { bodies, firm, .. } = self;
         let from = point * firm.bodies.len();
         firm.response[from..].iter_mut().zip(&firm.bodies).for_each(|(r, &b)| *r = bodies[b].dv);
+        own
     }
 
-    /// Hands out what a pass has given, to all bodies: gives each one's change of velocity and spin.
-    pub fn spread(&mut self, mut change: impl FnMut(u32, Vec3, Vec3)) {
+    /// Hands out what a pass has given, to all bodies, as far as they bear it: gives each one's change of velocity and spin.
+    pub fn spread(&mut self, k: &Constants, mut change: impl FnMut(u32, Vec3, Vec3)) {
         if self.firm.given.iter().all(|g| *g == [0.0; 6]) {
             return;
         }
@@ -144,12 +149,12 @@ impl JointSet {
         for (&b, g) in self.firm.bodies.iter().zip(&self.firm.given) {
             self.bodies[b].dv = *g;
         }
+        self.bodies.iter_mut().for_each(|b| b.before = [b.m.v, b.m.w]);
         self.hold(|s, row, lambda| s.lambda[row] += lambda as f32);
-        for b in &self.bodies {
-            let [vx, vy, vz, wx, wy, wz] = b.dv.map(|x| x as f32);
-            if b.moves() {
-                change(b.row, Vec3::new(vx, vy, vz), Vec3::new(wx, wy, wz));
-            }
+        let part = self.bodies.iter().map(|b| bearable(b, k)).fold(1.0, f64s::min);
+        for b in self.bodies.iter().filter(|b| b.moves()) {
+            let [vx, vy, vz, wx, wy, wz] = b.dv.map(|x| (part * x) as f32);
+            change(b.row, Vec3::new(vx, vy, vz), Vec3::new(wx, wy, wz));
         }
     }
 

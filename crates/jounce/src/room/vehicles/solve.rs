@@ -27,6 +27,8 @@ use super::tyre::{self, Hold, Patch};
 use crate::room::rigid::state::{InvInertia, Motion, NONE, Turning};
 use jounce_math::{DVec3, Quat, Vec3, scalar::f32s};
 
+/// Speed up to which treads follow what contacts push out by, m/s.
+const CRAWL: f32 = 0.05;
 /// Least n·up at which a wheel stands on a surface.
 pub(crate) const KAPPA_MIN: f32 = 0.1;
 
@@ -170,6 +172,8 @@ struct Work {
     held: Hold,
     /// Static friction.
     mu: f32,
+    /// How the chassis goes over the ground in the substep.
+    going: Vec3,
 }
 
 impl Run {
@@ -599,8 +603,18 @@ fn apply(v: &mut Vehicle, run: &mut Run, h: f32) {
     run.chassis.turn(angular);
 }
 
-/// Once joints and contacts have answered: the tread goes as the chassis does then. With what is hung on the chassis left out, what its
-/// suspension turns it by alone would pass for slip, and a parked car creep.
+/// Once joints and contacts have answered: how the chassis will go. With what is hung on it left out, what its suspension turns it by alone would
+/// pass for slip, and a parked car creep.
+pub(crate) fn go(v: &Vehicle, run: &mut Run) {
+    for i in 0..v.wheels.len() {
+        let w = run.work[i];
+        if w.touches {
+            run.work[i].going = run.over(w.arm, &w.now);
+        }
+    }
+}
+
+/// Once it has gone.
 pub(crate) fn follow(v: &mut Vehicle, run: &Run, h: f32) {
     slips(v, run, h);
     traction(v, h);
@@ -616,7 +630,10 @@ fn slips(v: &mut Vehicle, run: &Run, h: f32) {
             control(abs, &mut s.let_through, 0.0, h);
             continue;
         }
+        // What contacts push out by in passing counts up to a crawl: wheels do not hold on to the ground in which a car is stuck.
         let over = run.over(w.arm, &w.now);
+        let out = w.going - over;
+        let over = over + out * (CRAWL / f32s::max(out.length(), CRAWL));
         let slip = over + w.roll * s.x - up * s.u;
         let flow = [slip.dot(w.t), slip.dot(w.b)];
         s.e = w.held.deflect(s.e, flow);
