@@ -15,10 +15,10 @@
 //! Sources: Featherstone, Rigid body dynamics algorithms, 2008 (articulated inertia, operational space); Otter, Tomcin et al., Efficient
 //! enforcement of hard articulation constraints in the presence of closed loops and contacts, 2014.
 
+use super::active::bearable;
 use super::direct::{Numbers, ROWS};
 use super::local::Local;
 use super::rows::Row;
-use super::active::bearable;
 use super::set::{Constants, JointSet};
 use super::solve::{HARD, Solve, dot64};
 use super::state::Joints;
@@ -94,7 +94,7 @@ impl Firm {
 impl JointSet {
     /// Do its contacts ask what hangs on what they touch?
     pub fn bears(&self) -> bool {
-        self.plan.is_some() && self.is_alone() && std::env::var("NOLEAN").is_err()
+        self.plan.is_some() && self.is_alone()
     }
 
     /// The factors of what its joints hold both ways, where they stand now.

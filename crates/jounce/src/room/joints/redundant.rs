@@ -18,7 +18,7 @@ use jounce_math::Vec3;
 impl JointSet {
     /// See the module's text; the rows are those of the pass before.
     pub(super) fn share_out(&mut self, k: &Constants) {
-        if !self.plan.as_ref().is_some_and(Plan::has_loops) || std::env::var("NOSHARE").is_ok() {
+        if !self.plan.as_ref().is_some_and(Plan::has_loops) {
             return;
         }
         core::mem::swap(&mut self.numbers, &mut self.other);
