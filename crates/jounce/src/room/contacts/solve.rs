@@ -177,8 +177,7 @@ fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, B
     let n = Wide3::<L>::load(&block.normal, at);
     let mut u = Pair::load(block, at, access, g);
     for rows in &block.points[..block.points_max.min(4)] {
-        let taken = L::load(&rows.mass[at..]).gt(L::zero());
-        u.push(n, &rows.j, at, L::select(taken, L::load(&rows.impulse[at..]), L::zero()));
+        u.push(n, &rows.j, at, taken(L::load(&rows.mass[at..]), L::load(&rows.impulse[at..]), L::zero()));
     }
     let t1 = Wide3::<L>::load(&block.tangent, at);
     let t2 = n.cross(t1);
@@ -223,18 +222,18 @@ fn solve<L: Lanes>(
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let most = most_impulse(mass, most, old);
-        let new = (old - mass * (scale * vn + bias) - soft * old).max(zero).min(most);
+        let new = (old - mass * (scale * vn + bias) - soft * old).max(zero).min(mass * most);
+        let new = taken(mass, new, old);
         new.store(&mut rows.impulse[at..]);
         u.push(n, &rows.j, at, new - old);
     }
     u.store(access, g);
 }
 
-/// Most that a point may give. Points without mass are none, or another's (`articulated`): they keep what they have.
+/// Points without mass are none, or another's (`stage::articulated`): they keep what they have.
 #[inline(always)]
-fn most_impulse<L: Lanes>(mass: L, speed: L, old: L) -> L {
-    L::select(mass.gt(L::zero()), mass * speed, old)
+fn taken<L: Lanes>(mass: L, new: L, old: L) -> L {
+    L::select(mass.gt(L::zero()), new, old)
 }
 
 #[inline(always)]
@@ -260,7 +259,7 @@ fn relax<L: Lanes>(
         let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let new = (old - mass * (vn + bias)).max(zero).min(most_impulse(mass, most, old));
+        let new = taken(mass, (old - mass * (vn + bias)).max(zero).min(mass * most), old);
         new.store(&mut rows.impulse[at..]);
         (L::load(&rows.total[at..]) + new).store(&mut rows.total[at..]);
         total = total + new;
@@ -390,8 +389,8 @@ fn restitution<L: Lanes>(
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
         let target = if back { rebound } else { zero };
-        let most = most_impulse(mass, L::splat(SPEED_MOST), old);
-        let wanted = (old - mass * (vn - target)).max(zero).min(most);
+        let wanted = (old - mass * (vn - target)).max(zero).min(mass * L::splat(SPEED_MOST));
+        let wanted = taken(mass, wanted, old);
         let wanted = if back { wanted.min(old + budget.max(zero)) } else { wanted.max(old) };
         let new = L::select(bounces, wanted, old);
         budget = budget - (new - old);
