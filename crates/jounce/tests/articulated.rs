@@ -1,4 +1,4 @@
-//! Contacts of bodies that hang on others by joints: they meet all of it, not the light part alone.
+//! Contacts of welded bodies: they meet all that is welded to them, not the light part alone.
 
 use jounce::math::scalar::f64s;
 use jounce::prelude::*;
@@ -7,19 +7,17 @@ fn world(gravity: f32) -> World {
     World::new(WorldDesc { gravity: Vec3::new(0.0, -gravity, 0.0), ..WorldDesc::default() }).unwrap()
 }
 
-fn cube(at: [f64; 3], half: f32, mass: f32, restitution: f32) -> BodyDesc {
-    BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid([half; 3]).mass(mass).restitution(restitution))
+fn cube(at: [f64; 3], half: f32, mass: f32) -> BodyDesc {
+    BodyDesc::dynamic().at(at).shape(ShapeDesc::cuboid([half; 3]).mass(mass))
 }
 
 /// A heavy cube welded on one of 1 kg falls 1 m onto a floor: how deep it gets, and how high after that, m.
-fn landing(heavy: f32, e: f32) -> (f64, f64) {
+fn landing(heavy: f32) -> (f64, f64) {
     let mut w = world(9.81);
-    w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y).restitution(e))).unwrap();
-    let a = w.add_body(cube([0.0, 1.1, 0.0], 0.1, 1.0, e)).unwrap();
-    if heavy > 0.0 {
-        let b = w.add_body(cube([0.0, 1.4, 0.0], 0.2, heavy, e)).unwrap();
-        w.add_joint(JointDesc::fixed(a, b, [0.0, 1.2, 0.0])).unwrap();
-    }
+    w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
+    let a = w.add_body(cube([0.0, 1.1, 0.0], 0.1, 1.0)).unwrap();
+    let b = w.add_body(cube([0.0, 1.4, 0.0], 0.2, heavy)).unwrap();
+    w.add_joint(JointDesc::fixed(a, b, [0.0, 1.2, 0.0])).unwrap();
     let (mut low, mut high, mut landed) = (f64::MAX, 0.0, false);
     for _ in 0..120 {
         w.step().unwrap();
@@ -27,12 +25,8 @@ fn landing(heavy: f32, e: f32) -> (f64, f64) {
         low = f64s::min(low, y);
         landed |= y < 0.005;
         high = if landed { f64s::max(high, y) } else { 0.0 };
-        // The first bounce: what turns in the air comes down otherwise.
-        if e > 0.0 && high > 0.01 && w.body(a).unwrap().velocity().y < 0.0 {
-            break;
-        }
     }
-    println!("{heavy} kg, e = {e}: {:.2} mm deep, up to {:.1} mm", -1e3 * low, 1e3 * high);
+    println!("{heavy} kg: {:.2} mm deep, up to {:.1} mm", -1e3 * low, 1e3 * high);
     (-low, high)
 }
 
@@ -40,49 +34,8 @@ fn landing(heavy: f32, e: f32) -> (f64, f64) {
 #[test]
 fn what_is_welded_on_a_light_foot_lands_without_a_bounce() {
     for heavy in [1.0, 2.0, 5.0, 20.0, 100.0, 1000.0] {
-        let (deep, high) = landing(heavy, 0.0);
+        let (deep, high) = landing(heavy);
         assert!(deep < 2e-3 && high < 5e-3, "{heavy} kg: {deep} m deep, {high} m up");
-    }
-}
-
-/// Newton's law for the whole: e² of the height.
-#[test]
-fn what_is_welded_on_a_light_foot_bounces_as_one() {
-    for (heavy, e) in [(0.0, 0.5), (0.0, 0.8), (1.0, 0.8), (5.0, 0.5), (20.0, 0.5), (100.0, 0.8)] {
-        let (_, high) = landing(heavy, e);
-        let want = f64::from(e * e);
-        assert!((high / want - 1.0).abs() < 0.02, "{heavy} kg: {high} m for {want}");
-    }
-}
-
-/// A cart's load rests on four light wheels that turn freely. Before, 200 kg came up by 22 cm.
-#[test]
-fn a_cart_on_light_wheels_lands_without_a_bounce() {
-    for (load, mass) in [(20.0, 2.0), (200.0, 2.0), (2000.0, 2.0)] {
-        let mut w = world(9.81);
-        w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
-        let bed = BodyDesc::dynamic().at([0.0, 1.0, 0.0]).velocity([2.0, 0.0, 0.0]);
-        let bed = w.add_body(bed.shape(ShapeDesc::cuboid([1.2, 0.15, 0.5]).mass(load))).unwrap();
-        for (x, z) in [(1.0, 0.7), (1.0, -0.7), (-1.0, 0.7), (-1.0, -0.7)] {
-            let at = [x, 0.8, z];
-            let wheel = BodyDesc::dynamic().at(at).velocity([2.0, 0.0, 0.0]);
-            let wheel = w.add_body(wheel.shape(ShapeDesc::sphere(0.3).mass(mass))).unwrap();
-            w.add_joint(JointDesc::hinge(bed, wheel, at, Vec3::Z)).unwrap();
-        }
-        let (mut low, mut high) = (f64::MAX, 0.0);
-        for i in 0..180 {
-            w.step().unwrap();
-            let y = w.body(bed).unwrap().position().y - 0.5;
-            low = f64s::min(low, y);
-            high = if i > 30 { f64s::max(high, y) } else { 0.0 };
-        }
-        let speed = w.body(bed).unwrap().velocity().x;
-        // Rolling takes what spinning up the four wheels costs: momentum p − 4 I ω/r = M v, ω = v/r, I = 2/5 m r².
-        let all = load + 4.0 * mass;
-        let want = 2.0 * all / (all + 4.0 * 0.4 * mass);
-        println!("{load} kg: {:.2} mm deep, {:.2} mm up, {speed} m/s for {want}", -1e3 * low, 1e3 * high);
-        assert!(low > -3e-3 && high < 3e-3, "{load} kg: {low} to {high} m");
-        assert!((speed / want - 1.0).abs() < 0.02, "{load} kg: {speed} m/s for {want}");
     }
 }
 
@@ -92,24 +45,20 @@ fn momentum_is_that_of_before() {
     for seed in 0..6_u32 {
         let mut w = world(0.0);
         let mut last = None;
-        // A hammer: a light head first, on a chain of ever heavier parts.
+        // A hammer: a light head first, welded on ever heavier parts.
         for i in 0..5_i32 {
             let x = -0.5 * f64::from(i);
             let part =
-                cube([x, 0.05 * f64::from(seed), 0.0], 0.15, [1.0, 4.0, 16.0, 64.0, 256.0][i as usize], 0.0);
+                cube([x, 0.05 * f64::from(seed), 0.0], 0.15, [1.0, 4.0, 16.0, 64.0, 256.0][i as usize]);
             let part = w.add_body(part.velocity([5.0, 0.0, 0.3 * seed as f32])).unwrap();
             if let Some(before) = last {
                 let at = [x + 0.25, 0.05 * f64::from(seed), 0.0];
-                let joint = match (seed + i as u32) % 3 {
-                    0 => JointDesc::fixed(before, part, at),
-                    1 => JointDesc::ball(before, part, at),
-                    _ => JointDesc::hinge(before, part, at, Vec3::Z),
-                };
+                let joint = JointDesc::fixed(before, part, at);
                 w.add_joint(joint).unwrap();
             }
             last = Some(part);
         }
-        w.add_body(cube([1.5, 0.0, 0.0], 0.5, 50.0, 0.0)).unwrap();
+        w.add_body(cube([1.5, 0.0, 0.0], 0.5, 50.0)).unwrap();
         let (before, e) = (w.momentum(), w.energy().total());
         let mut most = e;
         for _ in 0..90 {

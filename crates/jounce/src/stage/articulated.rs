@@ -1,4 +1,4 @@
-//! Contacts of what hangs together, solved with all that hangs on it (`room::joints::articulated`).
+//! Contacts of what is welded together, solved with all that is welded on (`room::joints::articulated`).
 //!
 //! Their normal rows leave the lanes: a few sweeps of Gauss and Seidel over the points of all sets in contact order, each before
 //! the lanes' own. Friction stays in the lanes, bounded by what these rows push with.
@@ -7,8 +7,8 @@ use super::Step;
 use super::joints::{constants, load};
 use crate::room::contacts::prepare::StepConstants;
 use crate::room::contacts::rows::{Block, LANES};
-use crate::room::contacts::solve::{POISSON, Pass, SPEED_MOST};
-use crate::room::contacts::state::Contact;
+use crate::room::contacts::solve::SPEED_MOST;
+use crate::room::contacts::state::{Contact, ContactManifold};
 use crate::room::joints::articulated::{Firm, Six};
 use crate::room::joints::set::{Constants, JointSet};
 use crate::room::rigid::state::{BodyFrame, BodyState, NONE};
@@ -127,7 +127,7 @@ fn gather(world: &mut World, s: &mut Leanings) {
             continue;
         }
         let bodies = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
-        for m in c.manifolds().filter(|m| m.row.1 != NONE) {
+        for m in manifolds(c) {
             let count = usize::from(m.count).min(4);
             let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
             let (block, lane) = (row / LANES, row % LANES);
@@ -235,8 +235,13 @@ fn part_siblings(world: &mut World, step: &Step, owners: &mut Vec<(u32, u32)>) {
     }
 }
 
+/// Those of a contact that are taken out of the lanes: what bounces stays there.
+fn manifolds(c: &Contact) -> impl Iterator<Item = &ContactManifold> {
+    c.manifolds().filter(|m| m.row.1 != NONE && m.surface.restitution == 0.0)
+}
+
 fn points(c: &Contact) -> usize {
-    c.manifolds().filter(|m| m.row.1 != NONE).map(|m| usize::from(m.count).min(4)).sum()
+    manifolds(c).map(|m| usize::from(m.count).min(4)).sum()
 }
 
 /// Whose the bodies of a contact are, where some set's are touched from outside.
@@ -270,9 +275,9 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// Runs `f` over the world's rows between reading velocities and handing out what was given.
-    fn run<T>(world: &mut World, step: &Step, none: T, f: impl FnOnce(&mut Work<'_>) -> T) -> T {
+    fn run(world: &mut World, step: &Step, f: impl FnOnce(&mut Work<'_>)) {
         if world.scratch.leanings.rows.is_empty() {
-            return none;
+            return;
         }
         let k = constants(world, step);
         let scratch = &mut world.scratch;
@@ -283,9 +288,8 @@ impl Work<'_> {
             state: &mut world.awake.state,
         };
         work.begin();
-        let out = f(&mut work);
+        f(&mut work);
         work.end(&k);
-        out
     }
 
     fn begin(&mut self) {
@@ -403,7 +407,7 @@ impl Work<'_> {
 /// impulses alone would make are none that joints, whose errors are not linear, should look ahead with.
 pub(crate) fn solve(world: &mut World, step: &Step) {
     let k = step.constants;
-    Work::run(world, step, (), |w| {
+    Work::run(world, step, |w| {
         w.warm();
         w.aim(|block, l, s| soften(block, l, s, &k));
         w.sweeps();
@@ -421,7 +425,7 @@ fn soften(block: &Block, l: usize, s: f32, k: &StepConstants) -> [f32; 3] {
 /// Without bias; then what joints gave in the substep is known.
 pub(crate) fn relax(world: &mut World, step: &Step) {
     let k = step.constants;
-    Work::run(world, step, (), |w| {
+    Work::run(world, step, |w| {
         w.aim(|_, _, s| [f32s::max(s, 0.0) * k.inv_h, 1.0, 0.0]);
         w.sweeps();
     });
@@ -446,40 +450,4 @@ impl Work<'_> {
             self.rows[i] = r;
         }
     }
-}
-
-/// One pass of restitution, as `room::contacts::solve` has it; gives the largest change of a rebound speed, m/s, negative for none.
-pub(crate) fn restitute(world: &mut World, step: &Step, pass: Pass) -> f32 {
-    let back = pass == Pass::Restitution;
-    Work::run(world, step, -1.0, |w| {
-        let mut change = -1.0;
-        for i in 0..w.rows.len() {
-            let r = w.rows[i];
-            let (color, block, l) = (r.color, r.block, r.lane);
-            let b = &w.blocks[color][block];
-            let total: f32 = b.points[..r.count].iter().map(|p| p.total[l]).sum();
-            let mut budget = b.compression[l] * (1.0 + b.restitution[l] * POISSON) - total;
-            for (k, p) in r.points.iter().enumerate().take(r.count) {
-                let rows = &w.blocks[color][block].points[k];
-                let (rebound, total, old) = (rows.rebound[l], rows.total[l], rows.impulse[l]);
-                if rebound <= 0.0 || total <= 0.0 || p.mass <= 0.0 {
-                    continue;
-                }
-                let target = if back { rebound } else { 0.0 };
-                let wanted = f32s::clamp(old - p.mass * (w.speed(&r, k) - target), 0.0, p.mass * SPEED_MOST);
-                let new = if back {
-                    f32s::min(wanted, old + f32s::max(budget, 0.0))
-                } else {
-                    f32s::max(wanted, old)
-                };
-                budget -= new - old;
-                let rows = &mut w.blocks[color][block].points[k];
-                rows.impulse[l] = new;
-                rows.total[l] = total + (new - old);
-                change = f32s::max(change, (new - old).abs() / p.mass);
-                w.push(&r, k, new - old);
-            }
-        }
-        change
-    })
 }

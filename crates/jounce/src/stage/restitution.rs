@@ -5,7 +5,7 @@
 //! λ ≥ 0, v_n ≥ e V, is what the passes converge to, with no more impulse than e times that of the compression (Poisson). Between walls that push
 //! from opposite sides there is no such velocity, and impulses would grow from pass to pass: what is squeezed does not bounce.
 
-use super::{Step, articulated, substep};
+use super::{Step, substep};
 use crate::limits;
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::solve::Pass;
@@ -35,9 +35,8 @@ fn passes(world: &mut World, step: &Step, pass: Pass) {
     let (mut change, mut passes) = (f32::MAX, 0);
     while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
         substep::sweep(world, pass, step);
-        let leaned = articulated::restitute(world, step, pass);
         let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
-        change = all.flat_map(|b| b.rebound_change).fold(leaned, f32s::max);
+        change = all.flat_map(|b| b.rebound_change).fold(0.0, f32s::max);
         passes += 1;
     }
 }

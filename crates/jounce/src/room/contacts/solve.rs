@@ -16,7 +16,7 @@ use jounce_tasks::Scatter;
 pub(crate) const SPEED_MOST: f32 = 1e6;
 
 /// Impulse that may be given back ÷ e times the impulse that was taken.
-pub(crate) const POISSON: f32 = 1.05;
+const POISSON: f32 = 1.05;
 
 /// Which pass of the substep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

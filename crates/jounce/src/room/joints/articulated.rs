@@ -1,13 +1,14 @@
-//! What a contact meets in a body of a set: the articulated inverse mass.
+//! What a contact meets in a body of a welded set: the articulated inverse mass.
 //!
-//! A contact's row sees the two bodies that touch, g M⁻¹ gᵀ with g = (n, r × n). What hangs on them by joints adds to that:
+//! A contact's row sees the two bodies that touch, g M⁻¹ gᵀ with g = (n, r × n). What is welded on them adds to that:
 //!
-//! u ← u + R λ, R = (M⁻¹ − M⁻¹ Jᵀ A⁻¹ J M⁻¹) gᵀ, 1/m′ = g R, A = J M⁻¹ Jᵀ,
+//! u ← u + R λ, R = (M⁻¹ − M⁻¹ Jᵀ A⁻¹ J M⁻¹) gᵀ, 1/m′ = g R, A = J M⁻¹ Jᵀ.
 //!
-//! with J the rows of the set's joints that hold both ways (neither ends nor ropes nor motors, which may let go). A wheel of 2 kg that lands
-//! under a chassis of 200 kg would have to be stopped dozens of times over: each time the chassis gives on what the wheel weighs. Its
-//! contact would be a spring for 2 kg under 200 kg: deep, and thrown back by it, whatever its restitution. With R a point's impulse moves
+//! A foot of 1 kg that lands under 20 kg would have to be stopped dozens of times over: each time the load gives on what the foot weighs. Its
+//! contact would be a spring for 1 kg under 20 kg: deep, and thrown back by it, whatever its restitution. With R a point's impulse moves
 //! the whole set as it will, and a few sweeps over the points of a set, as over those of one body, stop it.
+//!
+//! Welds alone: what holds one way (ends, ropes, motors) would have to be part of the sweeps.
 //!
 //! J and A are made anew where a body has turned by more than a fiftieth since, and always together: A of a chain under a load is singular but for a millionth, and with another J than its
 //! own, off by a hundredth, it would make 10⁸ J of a touch. What they no longer fit is put right by the passes over joints that follow.
@@ -94,7 +95,7 @@ impl Firm {
 impl JointSet {
     /// Do its contacts ask what hangs on what they touch?
     pub fn bears(&self) -> bool {
-        self.plan.is_some() && self.is_alone()
+        self.plan.is_some() && self.is_alone() && self.welded
     }
 
     /// The factors of what its joints hold both ways, where they stand now.

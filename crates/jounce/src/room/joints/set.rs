@@ -24,7 +24,7 @@
 
 use super::alike::Link;
 use super::articulated::Firm;
-use super::desc::JointSolver;
+use super::desc::{JointKind, JointSolver};
 use super::direct::{Numbers, Plan, ROWS};
 use super::extra::Sweep;
 use super::local::Local;
@@ -83,6 +83,8 @@ pub(crate) struct JointSet {
     pub(super) loaded: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
+    /// All its joints are rigid welds.
+    pub(super) welded: bool,
     /// Contacts ask what hangs on its bodies.
     pub leaned: bool,
     pub firm: Firm,
@@ -118,6 +120,10 @@ impl JointSet {
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
         let n = self.joints.len();
         self.loaded = self.is_loaded(inv_mass);
+        self.welded = self.joints.iter().all(|s| {
+            let d = &joints.table[s.id].desc;
+            matches!(d.kind, JointKind::Fixed) && d.softness.is_none()
+        });
         let most = if any(JointSolver::Direct) {
             FILL_ASKED * n + FILL_SMALL
         } else if any(JointSolver::Iterative) {
