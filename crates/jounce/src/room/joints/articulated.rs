@@ -11,7 +11,7 @@
 //! Welds alone: what holds one way (ends, ropes, motors) would have to be part of the sweeps.
 //!
 //! J and A are made anew where a body has turned by more than a fiftieth since, and always together: A of a chain under a load is singular but for a millionth, and with another J than its
-//! own, off by a hundredth, it would make 10⁸ J of a touch. What they no longer fit is put right by the passes over joints that follow.
+//! own, off by a hundredth, it would explode at a touch. What they no longer fit is put right by the passes over joints that follow.
 //!
 //! Sources: Featherstone, Rigid body dynamics algorithms, 2008 (articulated inertia, operational space); Otter, Tomcin et al., Efficient
 //! enforcement of hard articulation constraints in the presence of closed loops and contacts, 2014.

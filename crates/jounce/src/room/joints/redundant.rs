@@ -6,7 +6,8 @@
 //!
 //! λ′ = (A + E)⁻¹ A λ, A = J M⁻¹ Jᵀ, E = ε diag A,
 //!
-//! which has the same Jᵀλ up to ε and of all that do the least Σ ε A_ii λ_i²: equal hinges bear equal parts. (Tikhonov's regularisation:
+//! which has the same Jᵀλ up to ε and of all that do the least Σ A_ii λ_i²: two hinges bear the weight of a door in equal parts; of three bolts in a
+//! row the middle one, which meets most mass, bears more. (Tikhonov's regularisation:
 //! Tikhonov & Arsenin, Solutions of ill-posed problems, 1977; redundant constraints: Wojtyra, Joint reaction forces in multibody systems with
 //! redundant constraints, 2005.)
 
