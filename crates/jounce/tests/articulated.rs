@@ -33,8 +33,8 @@ fn landing(heavy: f32) -> (f64, f64) {
 /// Before, 20 kg sank by 4 cm and came up by 36 cm; 1,000 kg fell over.
 #[test]
 fn what_is_welded_on_a_light_foot_lands_without_a_bounce() {
-    for heavy in [1.0, 2.0, 5.0, 20.0, 100.0, 1000.0] {
-        let (deep, high) = landing(heavy);
+    let heavy = [1.0, 2.0, 5.0, 20.0, 100.0, 1000.0];
+    for (heavy, (deep, high)) in heavy.into_iter().zip(heavy.map(landing)) {
         assert!(deep < 2e-3 && high < 5e-3, "{heavy} kg: {deep} m deep, {high} m up");
     }
 }
@@ -58,7 +58,7 @@ fn momentum_is_that_of_before() {
             }
             last = Some(part);
         }
-        w.add_body(cube([1.5, 0.0, 0.0], 0.5, 50.0)).unwrap();
+        let target = w.add_body(cube([1.5, 0.0, 0.0], 0.5, 50.0)).unwrap();
         let (before, e) = (w.momentum(), w.energy().total());
         let mut most = e;
         for _ in 0..90 {
@@ -75,11 +75,12 @@ fn momentum_is_that_of_before() {
         );
         assert!(dp.length() < 1e-3 * p.length(), "{dp:?} of {p:?}");
         assert!(dl.length() < 1e-2 * p.length(), "{dl:?} of {l:?}");
-        assert!(most < e * 1.001 && w.energy().total() < 0.95 * e, "{e} to {most} J");
+        assert!(most < e * 1.001, "{e} to {most} J");
+        assert!(w.body(target).unwrap().velocity().x > 1.0, "it was missed");
     }
 }
 
-/// Blades of one rotor turn past one another's edges without meeting. Before, all of its angular momentum but a third went in a step.
+/// Blades of one rotor turn past one another's edges without meeting. Before, at 60 rad/s 83 of 85.8 kg m²/s went.
 #[test]
 fn a_rotor_is_not_braked_by_its_own_blades() {
     for speed in [10.0, 30.0, 60.0] {

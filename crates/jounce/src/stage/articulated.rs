@@ -13,12 +13,9 @@ use crate::room::joints::articulated::{Firm, Six};
 use crate::room::joints::set::{Constants, JointSet};
 use crate::room::rigid::state::{BodyFrame, BodyState, NONE};
 use crate::world::World;
-use jounce_math::{
-    Vec3,
-    scalar::{f32s, f64s},
-};
+use jounce_math::scalar::{f32s, f64s};
 
-/// A manifold of which a body hangs on others.
+/// A manifold of which a body is welded to others.
 #[derive(Clone, Copy, Debug)]
 struct Leaning {
     color: usize,
@@ -61,10 +58,6 @@ pub(crate) struct Leanings {
     points: Vec<usize>,
 }
 
-/// Turn within a step from which joined bodies do not look ahead to one another, rad.
-const TURN: f32 = 0.1;
-/// Together: they turn against one another by no more than this part of it.
-const TOGETHER: f32 = 0.5;
 /// Sweeps over the points in a pass, at most, and the change of a speed that ends them, m/s.
 const SWEEPS: usize = 8;
 const QUIET: f32 = 1e-4;
@@ -77,9 +70,8 @@ const RESPONSES: usize = 4096;
 const SOLVES: usize = 8192;
 
 /// As a step starts, before anything moves.
-pub(crate) fn prepare(world: &mut World, step: &Step) {
+pub(crate) fn prepare(world: &mut World) {
     let mut s = core::mem::take(&mut world.scratch.leanings);
-    part_siblings(world, step, &mut s.owners);
     s.rows.clear();
     world.scratch.joints.sets.iter_mut().for_each(|set| set.leaned = false);
     if world.scratch.joints.sets.iter().any(JointSet::bears) {
@@ -194,45 +186,6 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
         }
     }
     world.scratch.joints.sets = sets;
-}
-
-/// Joined bodies that turn far within the step, and together, do not look ahead to one another: a gap is foreseen along straight lines, and blades of
-/// one rotor, which never meet, would brake it.
-fn part_siblings(world: &mut World, step: &Step, owners: &mut Vec<(u32, u32)>) {
-    let (scratch, frames, state) = (&mut world.scratch, &world.frames, &world.awake.state);
-    let spin = |row: u32| state.get(row as usize).map_or(Vec3::ZERO, BodyState::w);
-    let spins = |row: u32| spin(row).length() > TURN / step.dt;
-    owners.clear();
-    for (i, set) in scratch.joints.sets.iter().enumerate() {
-        let rows = || set.bodies.iter().map(|b| frames[b.slot as usize].row).filter(|r| *r != NONE);
-        if rows().any(spins) {
-            owners.resize(state.len(), (NONE, NONE));
-            rows().for_each(|r| owners[r as usize] = (i as u32, 0));
-        }
-    }
-    if owners.is_empty() {
-        return;
-    }
-    for c in world.contacts.iter().filter(|c| c.touching) {
-        let rows = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
-        let [a, b] = rows.map(|r| owners.get(r as usize));
-        if a.is_none_or(|a| a.0 == NONE) || a != b {
-            continue;
-        }
-        let [a, b] = rows.map(spin);
-        let least = f32s::min(a.length(), b.length());
-        if least < TURN / step.dt || (a - b).length() > TOGETHER * least {
-            continue;
-        }
-        for m in c.manifolds().filter(|m| m.row.1 != NONE) {
-            let (row, lane) = (m.row.1 as usize, m.row.1 as usize % LANES);
-            for p in &mut scratch.blocks[usize::from(m.row.0)][row / LANES].points {
-                if p.separation[lane] > 0.0 {
-                    (p.mass[lane], p.impulse[lane]) = (0.0, 0.0);
-                }
-            }
-        }
-    }
 }
 
 /// Those of a contact that are taken out of the lanes: what bounces stays there.

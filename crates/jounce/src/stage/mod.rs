@@ -19,6 +19,7 @@ pub(crate) mod publish;
 pub(crate) mod restitution;
 pub(crate) mod seams;
 pub(crate) mod sensors;
+mod siblings;
 pub(crate) mod sleep;
 pub(crate) mod substep;
 pub(crate) mod vehicles;
@@ -75,6 +76,8 @@ pub(crate) struct Scratch {
     pub fields: fields::FieldScratch,
     pub joints: joints::JointScratch,
     pub leanings: articulated::Leanings,
+    /// Sets of joined bodies that turn far, by awake row.
+    pub siblings: Vec<u32>,
     pub vehicles: vehicles::VehicleScratch,
     /// By awake row: how hard and which way it was pushed.
     pub squeeze: Vec<(f32, jounce_math::Vec3)>,

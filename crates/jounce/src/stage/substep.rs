@@ -20,7 +20,8 @@ const CONTACTS: usize = 128;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
-    articulated::prepare(world, step);
+    super::siblings::part(world, step);
+    articulated::prepare(world);
     for i in 0..step.substeps {
         velocities(world, step);
         super::fields::act(world, step, i);

@@ -13,11 +13,12 @@
 //! J and A are made anew where a body has turned by more than a fiftieth since, and always together: A of a chain under a load is singular but for a millionth, and with another J than its
 //! own, off by a hundredth, it would explode at a touch. What they no longer fit is put right by the passes over joints that follow.
 //!
-//! Sources: Featherstone, Rigid body dynamics algorithms, 2008 (articulated inertia, operational space); Otter, Tomcin et al., Efficient
+//! Sources: Featherstone, Rigid body dynamics algorithms, 2008 (articulated inertia, operational space); Tomcin, Sibbing & Kobbelt, Efficient
 //! enforcement of hard articulation constraints in the presence of closed loops and contacts, 2014.
 
 use super::active::bearable;
 use super::direct::{Numbers, ROWS};
+use super::extra::Sweep;
 use super::local::Local;
 use super::rows::Row;
 use super::set::{Constants, JointSet};
@@ -29,7 +30,7 @@ use jounce_math::{Vec3, scalar::f64s};
 /// A motion, or an impulse and a moment, world axes.
 pub(crate) type Six = [f64; 6];
 
-/// What holds a set both ways, and how that answers to contacts; not state.
+/// The welds of a set, and how they answer to contacts; not state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Firm {
     numbers: Numbers,
@@ -98,10 +99,10 @@ impl JointSet {
         self.plan.is_some() && self.is_alone() && self.welded
     }
 
-    /// The factors of what its joints hold both ways, where they stand now.
+    /// The factors of its welds, where they stand now.
     pub fn firm(&mut self, joints: &Joints, h: f32) {
         self.refresh(joints);
-        self.joints.iter_mut().for_each(Solve::pack_firm);
+        self.joints.iter_mut().for_each(|s| s.pack(Sweep::Relax));
         core::mem::swap(&mut self.numbers, &mut self.firm.numbers);
         if let Some(plan) = &self.plan {
             plan.reserve(&mut self.numbers);

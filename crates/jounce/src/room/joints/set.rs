@@ -85,7 +85,7 @@ pub(crate) struct JointSet {
     pub placed: bool,
     /// All its joints are rigid welds.
     pub(super) welded: bool,
-    /// Contacts ask what hangs on its bodies.
+    /// Contacts are solved with all that is welded on its bodies.
     pub leaned: bool,
     pub firm: Firm,
     /// Factors of another matrix than that of the passes.

@@ -380,20 +380,6 @@ impl Solve {
         }
     }
 
-    /// Of those the ones that hold both ways, and never yield.
-    pub(super) fn pack_firm(&mut self) {
-        self.count = 0;
-        if self.sign != 0.0 || self.soft.is_some() {
-            return;
-        }
-        for r in 0..self.hard.n {
-            if self.give_way[r] == 0.0 && !self.yields(r) {
-                self.packed[self.count] = r as u8;
-                self.count += 1;
-            }
-        }
-    }
-
     /// J_r M⁻¹ J_cᵀ over both bodies.
     pub(super) fn meets_itself(&self, r: usize, c: usize, a: &Local, b: &Local) -> f64 {
         self.meets(r, true, self, c, true, a) + self.meets(r, false, self, c, false, b)

@@ -1,0 +1,67 @@
+//! Joined bodies that turn far within the step, and together, do not look ahead to one another: a gap is foreseen along straight lines, and
+//! blades of one rotor, which never meet, would brake it. What overlaps is pushed apart as ever.
+
+use super::Step;
+use crate::room::contacts::rows::LANES;
+use crate::room::rigid::state::{BodyState, NONE};
+use crate::world::World;
+use jounce_math::{Vec3, scalar::f32s};
+
+/// Turn within a step from which that is so, rad.
+const TURN: f32 = 0.1;
+/// Together: they turn against one another by no more than this part of it.
+const TOGETHER: f32 = 0.5;
+
+/// Once contacts have their rows.
+pub(crate) fn part(world: &mut World, step: &Step) {
+    let mut owners = core::mem::take(&mut world.scratch.siblings);
+    mark(world, step, &mut owners);
+    if !owners.is_empty() {
+        blind(world, step, &owners);
+    }
+    world.scratch.siblings = owners;
+}
+
+/// The set of each awake row, of sets in which something turns far; nothing where none does.
+fn mark(world: &World, step: &Step, owners: &mut Vec<u32>) {
+    let (frames, rows) = (&world.frames, world.awake.state.len());
+    let spins = |row: u32| spin(world, row).length() > TURN / step.dt;
+    owners.clear();
+    for (i, set) in world.scratch.joints.sets.iter().enumerate() {
+        let of_set = || set.bodies.iter().map(|b| frames[b.slot as usize].row).filter(|r| *r != NONE);
+        if of_set().any(spins) {
+            owners.resize(rows, NONE);
+            of_set().for_each(|r| owners[r as usize] = i as u32);
+        }
+    }
+}
+
+fn spin(world: &World, row: u32) -> Vec3 {
+    world.awake.state.get(row as usize).map_or(Vec3::ZERO, BodyState::w)
+}
+
+/// Takes the points that are apart from pairs of one set.
+fn blind(world: &mut World, step: &Step, owners: &[u32]) {
+    let mut blocks = core::mem::take(&mut world.scratch.blocks);
+    for c in world.contacts.iter().filter(|c| c.touching) {
+        let rows = [c.body_a, c.body_b].map(|b| world.frames[b as usize].row);
+        let [a, b] = rows.map(|r| owners.get(r as usize));
+        if a.is_none_or(|&a| a == NONE) || a != b {
+            continue;
+        }
+        let [a, b] = rows.map(|r| spin(world, r));
+        let least = f32s::min(a.length(), b.length());
+        if least < TURN / step.dt || (a - b).length() > TOGETHER * least {
+            continue;
+        }
+        for m in c.manifolds().filter(|m| m.row.1 != NONE) {
+            let (row, lane) = (m.row.1 as usize, m.row.1 as usize % LANES);
+            for p in &mut blocks[usize::from(m.row.0)][row / LANES].points {
+                if p.separation[lane] > 0.0 {
+                    (p.mass[lane], p.impulse[lane]) = (0.0, 0.0);
+                }
+            }
+        }
+    }
+    world.scratch.blocks = blocks;
+}
