@@ -58,6 +58,35 @@ fn going(w: &mut World, kit: VehicleKit, speed: f32) -> VehicleId {
     v
 }
 
+/// Highest that the centre of mass comes above where it was, after a ridge of 4 cm across the road at 25 m/s; the start is moved by a part of a step's way.
+fn over_a_ridge(rate_hz: f64, phase: f64) -> f64 {
+    let mut w = World::new(WorldDesc { rate_hz, ..WorldDesc::default() }).unwrap();
+    road(&mut w, 1.0);
+    let ridge = BodyDesc::fixed().at([0.0, 0.0, 20.0 + phase * 25.0 / 60.0]);
+    w.add_body(ridge.shape(ShapeDesc::cuboid(Vec3::new(3.0, 0.04, 0.1)))).unwrap();
+    let v = going(&mut w, plain(1.0), 0.0);
+    steps(&mut w, 1.0);
+    let (b, rest) = (chassis(&w, v), position(&w, v).y);
+    w.set_velocity(b, Vec3::new(0.0, 0.0, 25.0)).unwrap();
+    let mut high = rest;
+    for _ in 0..(2.0 * rate_hz) as usize {
+        w.step().unwrap();
+        high = f64s::max(high, position(&w, v).y);
+    }
+    high - rest
+}
+
+/// Wheels look at the ground in every substep: where in a step they come to a ridge makes little difference. With one look a step it was 2.8 to 5.4 mm.
+#[test]
+fn a_ridge_is_met_in_the_substep() {
+    let fine = over_a_ridge(960.0, 0.0);
+    for i in 0..8 {
+        let high = over_a_ridge(60.0, f64::from(i) / 8.0);
+        println!("{high:.5} of {fine:.5} m");
+        assert!((high / fine - 1.0).abs() < 0.15, "{high} m of {fine} m, {i}/8 of a step on");
+    }
+}
+
 #[test]
 fn axles_carry_their_shares() {
     let mut w = world();

@@ -67,29 +67,6 @@ impl World {
         hits.into_iter().map(|(slot, h)| self.cast_result(slot, &h)).collect()
     }
 
-    /// [`World::cast_shape`] that passes by what does not face `up`, n·up > `least`: walls beside a wheel.
-    pub(crate) fn cast_ground(
-        &self,
-        shape: &Shape,
-        from: &WorldPose,
-        motion: Vec3,
-        filter: &QueryFilter<'_>,
-        up: Vec3,
-        least: f32,
-    ) -> Option<ShapeCastHit> {
-        let mut best: Option<(u32, CastHit)> = None;
-        let mut bound = 1.0;
-        self.sweep(shape, from, motion, filter, |slot, h| {
-            let faces = self.pose_of(&self.shapes[slot]).q.rotate(h.normal).dot(up) > least;
-            if faces && best.is_none_or(|(s, b)| (h.t, slot) < (b.t, s)) {
-                best = Some((slot, h));
-                bound = f32s::min(widened(h.t), bound);
-            }
-            bound
-        });
-        best.map(|(slot, h)| self.cast_result(slot, &h))
-    }
-
     /// Calls `found(slot, hit)` for the visible shapes in the way; it gives how far the motion still goes.
     fn sweep(
         &self,
@@ -108,10 +85,8 @@ impl World {
             if !self.sees(slot, filter) {
                 return bound;
             }
-            let r = &self.shapes[slot];
-            let pose = self.pose_of(r);
-            let moved = pose.q.inverse_rotate(motion);
-            cast_shape(&r.shape, shape, &pose.relative(&from), moved).map_or(bound, |h| found(slot, h))
+            let pose = self.pose_of(&self.shapes[slot]);
+            self.cast_on_shape(slot, &pose, shape, &from, motion).map_or(bound, |h| found(slot, h))
         };
         let mut bound = 1.0;
         for &plane in &self.unbounded {
@@ -128,6 +103,18 @@ impl World {
                 widened(bound)
             });
         }
+    }
+
+    /// The moving shape against one other, which stands at `pose`, in that one's frame.
+    pub(crate) fn cast_on_shape(
+        &self,
+        slot: u32,
+        pose: &WorldPose,
+        shape: &Shape,
+        from: &WorldPose,
+        motion: Vec3,
+    ) -> Option<CastHit> {
+        cast_shape(&self.shapes[slot].shape, shape, &pose.relative(from), pose.q.inverse_rotate(motion))
     }
 
     fn cast_result(&self, slot: u32, hit: &CastHit) -> ShapeCastHit {

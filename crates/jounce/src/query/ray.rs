@@ -165,15 +165,25 @@ impl World {
         }
     }
 
-    /// The ray against one shape, in the shape's own frame (the subtraction is in f64).
     #[inline]
     fn ray_on_shape(&self, slot: u32, ray: &Ray, max_t: f32) -> Option<Found> {
+        self.ray_on_shape_at(slot, &self.pose_of(&self.shapes[slot]), ray, max_t)
+    }
+
+    /// The ray against one shape, which stands at `pose`, in its own frame (the subtraction is in f64).
+    #[inline]
+    pub(crate) fn ray_on_shape_at(
+        &self,
+        slot: u32,
+        pose: &WorldPose,
+        ray: &Ray,
+        max_t: f32,
+    ) -> Option<Found> {
         let r = &self.shapes[slot];
-        let pose = self.pose_of(r);
         let from = ray.origin - pose.p;
         let dir = pose.q.inverse_rotate(ray.dir);
         if from.length_squared() > FAR_SQUARED {
-            return self.far_ray_on_shape(slot, ray, &pose, dir, max_t);
+            return self.far_ray_on_shape(slot, ray, pose, dir, max_t);
         }
         r.shape.ray_cast(pose.q.inverse_rotate(from.as_vec3()), dir, max_t).map(Found::near)
     }
@@ -230,9 +240,9 @@ impl World {
 
 /// A hit with its t before it was rounded: what lies metres apart may share a rounded one.
 #[derive(Clone, Copy)]
-struct Found {
-    hit: RayHit,
-    t: f64,
+pub(crate) struct Found {
+    pub hit: RayHit,
+    pub t: f64,
 }
 
 impl Found {

@@ -7,6 +7,7 @@ pub(crate) mod characters;
 pub(crate) mod commands;
 pub(crate) mod continuous;
 pub(crate) mod fields;
+mod footing;
 pub(crate) mod forces;
 pub(crate) mod guard;
 pub(crate) mod islands;

@@ -1,44 +1,24 @@
-//! Vehicles in the step: what wheels stand on, found once; then forces in every substep.
+//! Vehicles in the step: what wheels stand on, and their forces, in every substep.
 
 use super::Step;
-use crate::handle::BodyId;
-use crate::query::{QueryFilter, Ray};
+use super::footing::{self, Hit, Look, Looks};
 use crate::room::contacts::desc::Combine;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::solve::{absorb, settle, turns_freely};
-use crate::room::rigid::state::{InvInertia, NONE};
-use crate::room::vehicles::board::STATIONS;
-use crate::room::vehicles::desc::WheelCast;
-use crate::room::vehicles::solve::{self, Foot, KAPPA_MIN, Mover, Numbers, Plane, Run};
+use crate::room::rigid::state::{BodyState, InvInertia, NONE};
+use crate::room::vehicles::solve::{self, Foot, Mover, Numbers, Plane, Run};
 use crate::room::vehicles::state::{Carried, Vehicle};
 use crate::world::World;
-use jounce_geometry::Shape;
-use jounce_math::{DVec3, Quat, Vec3, WorldPose};
+use jounce_math::Vec3;
 
 /// Memory that is reused from step to step and is not state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct VehicleScratch {
-    casts: Vec<Cast>,
+    looks: Looks,
     runs: Vec<Run>,
     /// Of `runs`, in this step.
     count: usize,
     wakes: Vec<u32>,
-}
-
-/// A wheel's, or station's, look at the ground.
-#[derive(Clone, Copy, Debug)]
-struct Cast {
-    vehicle: u32,
-    foot: usize,
-    hit: Option<Hit>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Hit {
-    shape: u32,
-    part: Option<u32>,
-    point: DVec3,
-    normal: Vec3,
 }
 
 /// Row of a dynamic body that is awake.
@@ -71,108 +51,22 @@ pub(crate) fn look(world: &mut World, step: &Step) {
     }
     // Sleepers that are driven on may wake vehicles that have not looked yet: those do, too.
     for _ in 0..2 {
-        cast(world, &mut s, step.dt);
+        s.looks.gather(world, step, |v| acts(world, v));
+        s.wakes.clear();
+        s.wakes.extend(footing::sleepers(world, &s.looks));
         if s.wakes.is_empty() {
             break;
+        }
+        for &body in &s.wakes {
+            world.wake_body(body);
         }
     }
     world.scratch.vehicles = s;
 }
 
-/// All wheels look; what sleeps under one wakes.
-fn cast(world: &mut World, s: &mut VehicleScratch, dt: f32) {
-    s.casts.clear();
-    for (i, v) in world.vehicles.table.iter().filter(|(_, v)| acts(world, v)) {
-        s.casts.extend((0..v.feet().count()).map(|foot| Cast { vehicle: i, foot, hit: None }));
-    }
-    let shared: &World = world;
-    shared.tasks.for_each(&mut s.casts, 4, |_, c| {
-        let v = &shared.vehicles.table[c.vehicle];
-        c.hit = if c.foot < v.wheels.len() {
-            under_wheel(shared, v, c.foot, dt)
-        } else {
-            under_station(shared, v, c.foot - v.wheels.len())
-        };
-    });
-    s.wakes.clear();
-    for hit in s.casts.iter().filter_map(|c| c.hit) {
-        let body = &world.bodies[world.shapes[hit.shape].body];
-        if body.kind == BodyKind::Dynamic && body.island != NONE {
-            s.wakes.push(world.shapes[hit.shape].body);
-        }
-    }
-    for &body in &s.wakes {
-        world.wake_body(body);
-    }
-}
-
 fn moves(world: &World, body: u32) -> bool {
     let Some(row) = world.bodies.get(body).map(|b| b.row) else { return false };
     world.awake.state.get(row as usize).is_some_and(|s| s.v() != Vec3::ZERO || s.w() != Vec3::ZERO)
-}
-
-fn under_wheel(world: &World, v: &Vehicle, i: usize, dt: f32) -> Option<Hit> {
-    let (d, s) = (&v.desc.wheels[i], &v.wheels[i]);
-    let frame = &world.frames[v.chassis as usize];
-    let q = frame.rotation;
-    let up = q.rotate(v.desc.up);
-    let (velocity, w) = world.velocities(&world.bodies[v.chassis]);
-    let lever = q.rotate(d.position - frame.local_center);
-    // Where the wheel will be in the middle of the step.
-    let ahead = (velocity + w.cross(lever)) * (0.5 * dt);
-    let top = frame.center + (lever + ahead + up * d.bump).as_dvec3();
-    let way = d.bump + d.droop;
-    let left = v.desc.up.cross(v.desc.forward);
-    let axle = q.rotate(Quat::from_axis_angle(v.desc.up, s.steer).rotate(left));
-    let shape = match d.cast {
-        WheelCast::Ray => return ray(world, v, top, -up, way + d.radius, up),
-        WheelCast::Sphere => Shape::Sphere { radius: d.radius },
-        WheelCast::Cylinder => Shape::Cylinder { half_height: 0.4 * d.width, radius: d.radius },
-    };
-    let from = WorldPose::new(top, Quat::from_rotation_arc(Vec3::Y, axle));
-    let motion = up * -(way + 0.1 * d.radius);
-    with_filter(world, v, |filter| {
-        let hit = world.cast_ground(&shape, &from, motion, filter, up, KAPPA_MIN)?;
-        let hub = top + (motion * hit.t).as_dvec3();
-        Some((hit, hub))
-    })
-    .map(|(hit, hub)| {
-        let rough = Hit { shape: hit.shape.index, part: hit.triangle, point: hit.point, normal: hit.normal };
-        // A face gives its own plane, to the last bit.
-        let fine = ray(world, v, hub, -hit.normal, 1.5 * d.radius, hit.normal);
-        fine.filter(|f| f.shape == rough.shape && f.normal.dot(rough.normal) > 0.999).unwrap_or(rough)
-    })
-    .or_else(|| ray(world, v, top, -up, way + d.radius, up))
-}
-
-fn under_station(world: &World, v: &Vehicle, i: usize) -> Option<Hit> {
-    let d = v.desc.board.as_ref()?;
-    let frame = &world.frames[v.chassis as usize];
-    let up = frame.rotation.rotate(v.desc.up);
-    let p = frame.pose().transform_point(station(v, i)) + (up * d.reach).as_dvec3();
-    ray(world, v, p, -up, 2.0 * d.reach, up)
-}
-
-/// In the chassis' frame.
-fn station(v: &Vehicle, i: usize) -> Vec3 {
-    let Some(d) = &v.desc.board else { return Vec3::ZERO };
-    let left = v.desc.up.cross(v.desc.forward);
-    let (x, y) = STATIONS[i];
-    d.position + v.desc.forward * (0.5 * x * d.length) + left * (0.5 * y * d.width)
-}
-
-fn with_filter<T>(world: &World, v: &Vehicle, f: impl FnOnce(&QueryFilter<'_>) -> T) -> T {
-    let chassis = v.chassis;
-    let apart = move |s: crate::ShapeId| !world.are_parted(chassis, world.shapes[s.index].body);
-    let exclude: BodyId = world.body_id(chassis);
-    f(&QueryFilter::default().layers(v.desc.ground_layers).excluding(exclude).only(&apart))
-}
-
-fn ray(world: &World, v: &Vehicle, from: DVec3, dir: Vec3, length: f32, up: Vec3) -> Option<Hit> {
-    let ray = Ray { origin: from, dir, max_t: length };
-    let hit = with_filter(world, v, |filter| world.cast_ray(&ray, filter))?;
-    let faces = hit.t > 0.0 && hit.normal.dot(up) > KAPPA_MIN;
-    faces.then_some(Hit { shape: hit.shape.index, part: hit.triangle, point: hit.point, normal: hit.normal })
 }
 
 /// Once per step: where everything stands.
@@ -185,8 +79,11 @@ pub(crate) fn prepare(world: &mut World, _: &Step) {
     }
     let mut vehicles = core::mem::take(&mut world.vehicles);
     let shared: &World = world;
-    for group in s.casts.chunk_by(|a, b| a.vehicle == b.vehicle) {
+    let mut from = 0;
+    for group in s.looks.list().chunk_by(|a, b| a.vehicle == b.vehicle) {
         let id = group[0].vehicle;
+        let looks = from..from + group.len();
+        from = looks.end;
         let Some(v) = vehicles.table.get_mut(id) else { continue };
         if !acts(shared, v) {
             continue;
@@ -196,15 +93,15 @@ pub(crate) fn prepare(world: &mut World, _: &Step) {
         }
         let run = &mut s.runs[s.count];
         s.count += 1;
-        run.id = id;
-        begin(shared, v, run, group);
+        (run.id, run.looks) = (id, looks);
+        begin(shared, v, run);
         solve::begin(v, run);
     }
     world.vehicles = vehicles;
     world.scratch.vehicles = s;
 }
 
-fn begin(world: &World, v: &mut Vehicle, run: &mut Run, casts: &[Cast]) {
+fn begin(world: &World, v: &mut Vehicle, run: &mut Run) {
     let frame = &world.frames[v.chassis as usize];
     let q = frame.rotation;
     run.chassis = mover(world, v.chassis);
@@ -222,24 +119,32 @@ fn begin(world: &World, v: &mut Vehicle, run: &mut Run, casts: &[Cast]) {
     run.layers = if shapes.is_empty() { u32::MAX } else { all };
     run.gravity = world.gravity * world.bodies[v.chassis].gravity_scale;
     run.chassis.m = world.awake.state[run.chassis.row as usize].get();
+    let hub = |local: Vec3| Foot { hub: q.rotate(local - frame.local_center), ..Foot::default() };
+    run.wheels.extend(v.desc.wheels.iter().map(|w| hub(w.position)));
+    run.stations.extend((0..v.stations.len()).map(|i| hub(footing::station(v, i))));
+    run.stations.extend(v.desc.aero.iter().map(|a| hub(a.position)));
+}
+
+/// In a substep: the ground that feet have come to.
+fn stand(world: &World, v: &mut Vehicle, run: &mut Run, looks: &[Look]) {
     let wheels = v.wheels.len();
-    for c in casts {
-        let local =
-            if c.foot < wheels { v.desc.wheels[c.foot].position } else { station(v, c.foot - wheels) };
-        let hub = q.rotate(local - frame.local_center);
-        let tyre = v.desc.wheels.get(c.foot).map(|w| [w.tyre.static_friction, w.tyre.kinetic_friction]);
-        let plane = c.hit.map(|hit| plane(world, run, frame.center, tyre, &hit));
-        let state = if c.foot < wheels { &mut v.wheels[c.foot] } else { &mut v.stations[c.foot - wheels] };
-        (state.ground, state.shape) = c.hit.map_or((NONE, NONE), |h| (world.shapes[h.shape].body, h.shape));
-        let list = if c.foot < wheels { &mut run.wheels } else { &mut run.stations };
-        list.push(Foot { hub, plane });
-    }
-    for a in &v.desc.aero {
-        run.stations.push(Foot { hub: q.rotate(a.position - frame.local_center), plane: None });
+    for l in looks {
+        let tyre = v.desc.wheels.get(l.foot).map(|w| [w.tyre.static_friction, w.tyre.kinetic_friction]);
+        let plane = l.hit.map(|hit| plane(world, run, tyre, &hit));
+        let (state, foot) = if l.foot < wheels {
+            (&mut v.wheels[l.foot], &mut run.wheels[l.foot])
+        } else {
+            (&mut v.stations[l.foot - wheels], &mut run.stations[l.foot - wheels])
+        };
+        let ground = l.hit.map_or(NONE, |h| world.shapes[h.shape].body);
+        foot.met = ground != state.ground;
+        foot.plane = plane;
+        (state.ground, state.shape) = (ground, l.hit.map_or(NONE, |h| h.shape));
     }
 }
 
-fn plane(world: &World, run: &mut Run, center: DVec3, tyre: Option<[f32; 2]>, hit: &Hit) -> Plane {
+/// A plane where the step began: it goes with its body from there.
+fn plane(world: &World, run: &mut Run, tyre: Option<[f32; 2]>, hit: &Hit) -> Plane {
     let r = &world.shapes[hit.shape];
     let body = r.body;
     let ground = run.grounds.iter().position(|g| g.slot == body).unwrap_or_else(|| {
@@ -247,16 +152,19 @@ fn plane(world: &World, run: &mut Run, center: DVec3, tyre: Option<[f32; 2]>, hi
         run.grounds.len() - 1
     });
     let frame = &world.frames[body as usize];
-    let m = super::narrowphase::material(r, hit.part.unwrap_or(0));
+    let moved = world.awake.state.get(frame.row as usize).unwrap_or(&BodyState::FIXED).get();
+    let m = super::narrowphase::material(r, hit.part);
     let mu = tyre.map_or([0.0; 2], |[fixed, sliding]| {
         let rule = Combine::of(m.friction_combine, Combine::GeometricMean);
         [rule.apply(fixed, m.static_friction), rule.apply(sliding, m.kinetic_friction)]
     });
+    let now = (hit.point - frame.center).as_vec3() - moved.dp;
+    let lever = moved.dq.inverse_rotate(now);
     Plane {
         ground,
-        point: (hit.point - center).as_vec3(),
-        lever: (hit.point - frame.center).as_vec3(),
-        normal: hit.normal,
+        point: (hit.point - run.origin).as_vec3() - moved.dp - (now - lever),
+        lever,
+        normal: moved.dq.inverse_rotate(hit.normal),
         mu,
         surface: frame.rotation.rotate(r.pose.q.rotate(m.surface_velocity)),
     }
@@ -280,12 +188,17 @@ fn mover(world: &World, slot: u32) -> Mover {
 
 /// Before the positions move. One vehicle after the other, in slot order: they may stand on each other.
 pub(crate) fn act(world: &mut World, step: &Step) {
+    if world.vehicles.is_empty() {
+        return;
+    }
     let mut s = core::mem::take(&mut world.scratch.vehicles);
+    s.looks.renew(world, step);
     let mut vehicles = core::mem::take(&mut world.vehicles);
     let c = &step.constants;
     let k = Numbers { h: c.h, dt: step.dt, push_out_speed: c.push_out_speed };
     for run in &mut s.runs[..s.count] {
         let Some(v) = vehicles.table.get_mut(run.id) else { continue };
+        stand(world, v, run, &s.looks.list()[run.looks.clone()]);
         load(world, &mut run.chassis);
         run.grounds.iter_mut().for_each(|g| load(world, g));
         let mut flows = core::mem::take(&mut run.flows);

@@ -3,15 +3,12 @@
 //! Two rows across it, J = (−t, −r_a × t, t, r_b × t), take part only as dampers where a heavy load pulls on light ends (see `set`).
 //!
 //! A rod (min = max) holds both ways. A rope or a strut is one row that holds only while it would be over its bound, and only
-//! pulls (λ ≤ 0) or pushes (λ ≥ 0). A spring: F = −k (|d| − L₀) − c d|d|/dt.
+//! pulls (λ ≤ 0) or pushes (λ ≥ 0).
 //!
 //! Source: Jakobsen, Advanced character physics, GDC 2001; one-sided rows: Baraff, Fast contact force computation for
 //! nonpenetrating rigid bodies, 1994.
 
-use super::desc::{LimitDesc, SpringDesc};
-use super::extra::{Duty, Extras};
 use super::rows::{Ends, Hard};
-use crate::room::joints::desc::MotorTarget;
 
 /// Sign of the bound that is nearer to being crossed: +1 pushes apart, −1 pulls together, 0 both.
 pub(crate) fn side(min: f32, max: f32, e: &Ends) -> f32 {
@@ -34,19 +31,4 @@ pub(crate) fn rows(min: f32, max: f32, sign: f32, e: &Ends, out: &mut Hard) {
     let (t, u) = row.lb.orthonormal_basis();
     out.push(e.beside(t));
     out.push(e.beside(u));
-}
-
-pub(crate) fn spring(
-    rest: f32,
-    spring: SpringDesc,
-    limit: Option<LimitDesc>,
-    e: &Ends,
-    out: &mut Extras<'_>,
-) {
-    let row = e.distance();
-    let target = MotorTarget::Position { position: rest, velocity: 0.0, spring };
-    out.push(row, Duty::motor(target, f32::INFINITY));
-    if let Some(limit) = limit {
-        out.push(row, Duty::Limit(limit));
-    }
 }

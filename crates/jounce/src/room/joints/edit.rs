@@ -10,8 +10,7 @@ use crate::event::Event;
 use crate::handle::JointId;
 use crate::limits;
 use crate::room::contacts::state::Contact;
-use crate::room::rigid::desc::BodyKind;
-use crate::room::rigid::state::{BodyFrame, NONE};
+use crate::room::rigid::state::BodyFrame;
 use crate::world::World;
 use jounce_math::{Pose, Quat, Vec3, WorldPose};
 use std::sync::Arc;
@@ -25,29 +24,6 @@ impl World {
             return Ok(id.index);
         }
         Err(Error::Stale { what: "joint", index: id.index, generation: id.generation })
-    }
-
-    /// Bodies of a gear: those that its two joints move.
-    fn geared(&self, kind: &JointKind) -> Result<Option<[u32; 2]>> {
-        let JointKind::Gear { a, b, .. } = kind else { return Ok(None) };
-        let (a, b) = (self.joint_slot(*a)?, self.joint_slot(*b)?);
-        for j in [a, b] {
-            let kind = &self.joints.table[j].desc.kind;
-            let ok = matches!(kind, JointKind::Hinge(_) | JointKind::Slider(_));
-            check(ok, "gear", "joint", kind.name(), "a hinge or a slider")?;
-        }
-        let gives_way = |slot: u32| match self.bodies[slot].kind {
-            BodyKind::Fixed => 0,
-            BodyKind::Kinematic => 1,
-            BodyKind::Dynamic => 2,
-        };
-        let moved = |joint: u32, but: u32| {
-            let (body_a, body_b) = (self.joints.table[joint].body_a, self.joints.table[joint].body_b);
-            let first = body_b == but || (body_a != but && gives_way(body_a) > gives_way(body_b));
-            if first { body_a } else { body_b }
-        };
-        let a = moved(a, NONE);
-        Ok(Some([a, moved(b, a)]))
     }
 
     pub(crate) fn do_add_joint(&mut self, mut d: JointDesc) -> Result<JointId> {

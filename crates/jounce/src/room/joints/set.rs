@@ -27,26 +27,14 @@ use super::articulated::Firm;
 use super::desc::{JointKind, JointSolver};
 use super::direct::{Numbers, Plan, ROWS};
 use super::extra::Sweep;
+use super::gear::Gear;
 use super::local::Local;
 use super::place::Kept;
-use super::solve::{Solve, counts, dot64, limited};
+use super::solve::{Solve, counts, dot64};
 use super::state::Joints;
 use crate::room::contacts::prepare::Softness;
 use crate::room::rigid::state::NONE;
 use jounce_math::{Vec3, scalar::f32s};
-
-/// A gear between two joints of the set.
-#[derive(Clone, Debug)]
-pub(crate) struct Gear {
-    pub id: u32,
-    /// Places of the two joints.
-    pub a: usize,
-    pub b: usize,
-    pub ratio: f32,
-    /// q_a + ratio q_b where it stands right.
-    pub rest: f32,
-    pub impulse: f32,
-}
 
 /// Numbers of a step that sets need.
 #[derive(Clone, Copy, Debug)]
@@ -212,50 +200,6 @@ impl JointSet {
                 if c > 0.0 {
                     plan.add_diagonal(n, i, r, c);
                 }
-            }
-        }
-    }
-
-    fn gears(&mut self, k: &Constants, sweep: Sweep, warm: bool) {
-        for g in &mut self.gears {
-            let parts = [(g.a, 1.0), (g.b, g.ratio)];
-            let mut ends = [(0_usize, Vec3::ZERO, Vec3::ZERO); 4];
-            let (mut n, mut c) = (0, -g.rest);
-            for (place, scale) in parts {
-                let s = &self.joints[place];
-                let row = s.main_row(&self.bodies);
-                c += scale * s.coordinate;
-                for (body, l, j) in [(s.a, row.la, row.ja), (s.b, row.lb, row.jb)] {
-                    let at = ends[..n].iter().position(|e| e.0 == body).unwrap_or(n);
-                    if at == n {
-                        (ends[n], n) = ((body, Vec3::ZERO, Vec3::ZERO), n + 1);
-                    }
-                    ends[at].1 += l * scale;
-                    ends[at].2 += j * scale;
-                }
-            }
-            let (mut inv, mut speed) = (0.0, 0.0);
-            for (body, l, j) in &ends[..n] {
-                let b = &self.bodies[*body];
-                inv += l.dot(l.mul(b.inv_mass)) + j.dot(b.tensor.mul(*j));
-                speed += l.dot(b.m.v) + j.dot(b.m.w);
-            }
-            if inv <= 0.0 {
-                continue;
-            }
-            let d = if warm {
-                g.impulse *= k.warm;
-                g.impulse
-            } else {
-                let bias = if sweep == Sweep::Solve { limited(0.2 * c / k.h, k.correct) } else { 0.0 };
-                let d = -(speed + bias) / inv;
-                g.impulse += d;
-                d
-            };
-            for (body, l, j) in &ends[..n] {
-                let b = &mut self.bodies[*body];
-                b.m.v += l.mul(b.inv_mass) * d;
-                b.m.w += b.tensor.mul(*j) * d;
             }
         }
     }

@@ -7,7 +7,7 @@ use super::local::Local;
 use super::rows::{Ends, Hard, Row, Start};
 use super::set::Constants;
 use super::state::Joint;
-use super::{ball, distance, fixed, generic, hinge, path, pulley, slider, wheel};
+use super::{ball, distance, fixed, generic, hinge, path, pulley, slider, spring, wheel};
 use crate::room::rigid::state::Motion;
 use jounce_math::{Vec3, scalar::f32s};
 
@@ -157,8 +157,8 @@ impl Solve {
             JointKind::Ball(d) => ball::extras(d, e, &mut out),
             JointKind::Hinge(x) => hinge::extras(x, e, coordinate, &mut out),
             JointKind::Slider(x) => slider::extras(x, e, coordinate, &mut out),
-            JointKind::Spring { rest, spring, limit } => {
-                distance::spring(*rest, *spring, *limit, e, &mut out);
+            JointKind::Spring { rest, spring: s, limit } => {
+                spring::extras(*rest, *s, *limit, e, &mut out);
             }
             JointKind::Wheel { suspension, spin, steer } => {
                 wheel::extras([suspension, spin, steer], e, coordinate, &mut out);
@@ -543,14 +543,6 @@ impl Solve {
         let over = |i: usize, most: f32| f32s::min(now[i], self.last[i]) > most;
         self.broke |= over(0, j.desc.break_force) || over(1, j.desc.break_torque);
         self.last = now;
-    }
-}
-
-impl Solve {
-    /// The row of the coordinate that gears couple.
-    pub(super) fn main_row(&self, bodies: &[Local]) -> Row {
-        let e = Ends::now(&self.start, &bodies[self.a].m, &bodies[self.b].m);
-        if self.slides { e.along(e.axis_a(0)) } else { e.twist() }
     }
 }
 

@@ -98,7 +98,6 @@ fn stand(v: &mut Vehicle, d: &BoardDesc, run: &mut Run, numbers: &Numbers, work:
     let q = run.chassis.m.dq;
     let (k, c) = (0.25 * d.stiffness, 0.25 * d.damping);
     let q_spring = h * c + h * h * k;
-    let fresh = core::mem::take(&mut run.fresh);
     let slack = f32s::max(2.0 * run.mass * run.gravity.length() / d.stiffness, 0.1 * d.reach);
     let mut wanted = [0.0; 4];
     let mut touches = [false; 4];
@@ -116,7 +115,7 @@ fn stand(v: &mut Vehicle, d: &BoardDesc, run: &mut Run, numbers: &Numbers, work:
                 touches[i] = true;
                 let along = over + now.normal * closing;
                 let along = if v.stations[i].depth > 0.0 { along.length() } else { 0.0 };
-                let time = if fresh { numbers.dt } else { h };
+                let time = if run.stations[i].met { numbers.dt } else { h };
                 way = (along + f32s::max(closing, 0.0)) * time;
                 wanted[i] = q_spring * closing;
             } else {

@@ -25,6 +25,7 @@ use super::state::{Carried, Seen, Vehicle, WheelState};
 use super::suspension::{self, Spring, Travel};
 use super::tyre::{self, Hold, Patch};
 use crate::room::rigid::state::{InvInertia, Motion, NONE, Turning};
+use core::ops::Range;
 use jounce_math::{DVec3, Quat, Vec3, scalar::f32s};
 
 /// Speed up to which treads follow what contacts push out by, m/s.
@@ -87,7 +88,7 @@ impl Mover {
     }
 }
 
-/// A plane under a wheel as the step began.
+/// A plane under a wheel, where its body was as the step began.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plane {
     /// Place of the ground among the run's bodies.
@@ -108,6 +109,8 @@ pub(crate) struct Foot {
     /// Hub at rest, or station, from the chassis' centre of mass, as the step began.
     pub hub: Vec3,
     pub plane: Option<Plane>,
+    /// It did not stand on that body in the last substep.
+    pub met: bool,
 }
 
 /// A plane where everything is now.
@@ -143,8 +146,8 @@ pub(crate) struct Run {
     /// Layers of the chassis, for fields; flow (m/s) and density (kg/m³) at the surfaces in the air, where fields have any.
     pub layers: u32,
     pub flows: Vec<(Vec3, f32)>,
-    /// No substep was made yet.
-    pub fresh: bool,
+    /// Its places among the step's looks at the ground.
+    pub looks: Range<usize>,
     ahead: Vec<f64>,
     work: Vec<Work>,
 }
@@ -193,7 +196,7 @@ impl Run {
             spin: Spin::default(),
             layers: 0,
             flows: Vec::new(),
-            fresh: true,
+            looks: 0..0,
             ahead: Vec::new(),
             work: Vec::new(),
         }
@@ -233,7 +236,6 @@ impl Run {
 
 /// Once per step: couplings of the drive, steering.
 pub(crate) fn begin(v: &mut Vehicle, run: &mut Run) {
-    run.fresh = true;
     steer(v, run);
     let d = &v.desc;
     let spin = &mut run.spin;
@@ -365,7 +367,6 @@ fn places(v: &mut Vehicle, run: &mut Run, k: &Numbers) -> usize {
     let (up, forward) = run.axes();
     let left = up.cross(forward);
     let q = run.chassis.m.dq;
-    let fresh = core::mem::take(&mut run.fresh);
     let mut count = 0;
     for i in 0..v.wheels.len() {
         let (s, d, foot) = (&mut v.wheels[i], &v.desc.wheels[i], run.wheels[i]);
@@ -392,10 +393,10 @@ fn places(v: &mut Vehicle, run: &mut Run, k: &Numbers) -> usize {
             count += usize::from(w.touches);
         }
         // Deeper than by its own motion, and a little: it was put there, or the ground was.
-        // Planes are found once a step: a wheel on the ground may have come a step's way along it.
+        // Bodies that move themselves are seen where they were as the step began.
         let along = w.slide - w.now.normal * w.slide.dot(w.now.normal);
         let along = if s.depth > 0.0 { along.length() } else { 0.0 };
-        let time = if fresh { k.dt } else { k.h };
+        let time = if foot.met { k.dt } else { k.h };
         let chassis = f32s::max(-w.slide.dot(w.now.normal), 0.0);
         let way = (along + chassis) * time + f32s::max(w.kappa * s.u, 0.0) * k.h;
         let slack = f32s::max(SLACK * d.radius, 2.0 * d.preload / d.tyre.radial_stiffness);
