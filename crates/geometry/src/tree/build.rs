@@ -49,6 +49,7 @@ impl Bvh {
     /// Makes the inner nodes over the present leaves anew; leaf ids stay.
     pub(super) fn build_inner(&mut self, mut boxes: Vec<(Aabb, u32)>) {
         self.nodes.clear();
+        self.built.clear();
         self.free_node = NONE;
         self.root = NONE;
         (self.grown, self.enlarged) = (0, 0);
@@ -62,6 +63,7 @@ impl Bvh {
         self.nodes.reserve(items.len());
         if let [only] = items[..] {
             self.nodes.push(Node::new(NONE));
+            self.built.push(0.0);
             self.set(0, 0, only.aabb, only.child);
             return;
         }
@@ -70,11 +72,11 @@ impl Bvh {
             self.build_node(&mut items, &job, &mut jobs);
         }
         // Children stand behind their parents: one backward sweep gives every inner box.
-        for n in (1..self.nodes.len()).rev() {
-            let (b, p) = (self.nodes[n].bounds(), self.nodes[n].parent);
-            let slot = self.slot_of(p, n as u32);
-            self.nodes[p as usize].boxes[slot] = b;
+        for n in (0..self.nodes.len()).rev() {
+            let b = self.fit(n as u32);
+            self.built.push(b.area());
         }
+        self.built.reverse();
     }
 
     fn build_node(&mut self, items: &mut [Item], job: &Job, jobs: &mut Vec<Job>) {
@@ -108,6 +110,7 @@ impl Bvh {
         }
         let mut work = core::mem::take(&mut self.work);
         let Work { items, todo, jobs, made } = &mut work;
+        made.clear();
         todo.push(self.root);
         while let Some(n) = todo.pop() {
             let node = self.nodes[n as usize];
@@ -138,14 +141,57 @@ impl Bvh {
             }
         }
         // Parents were made before their children.
-        for &n in made.iter().skip(1).rev() {
-            let (b, p) = (self.nodes[n as usize].bounds(), self.nodes[n as usize].parent);
-            let slot = self.slot_of(p, n);
-            self.nodes[p as usize].boxes[slot] = b;
+        for &n in made.iter().rev() {
+            self.built[n as usize] = self.fit(n).area();
         }
         items.clear();
         made.clear();
         self.work = work;
+    }
+
+    /// Fits the boxes of the grown nodes to what is in them. The sum of their areas, and what that was as they were built.
+    pub(super) fn fit_grown(&mut self) -> (f64, f64) {
+        let mut work = core::mem::take(&mut self.work);
+        work.made.clear();
+        if self.root != NONE {
+            work.todo.push(self.root);
+        }
+        while let Some(n) = work.todo.pop() {
+            work.made.push(n);
+            let inner = self.nodes[n as usize].children.into_iter().filter(|c| c & LEAF == 0);
+            work.todo.extend(inner.filter(|&c| self.nodes[c as usize].grown));
+        }
+        let (mut now, mut built) = (0.0, 0.0);
+        for &n in work.made.iter().rev() {
+            let area = self.fit(n).area();
+            let was = &mut self.built[n as usize];
+            if *was == 0.0 {
+                *was = area;
+            }
+            now += f64::from(area);
+            built += f64::from(*was);
+        }
+        self.work = work;
+        (now, built)
+    }
+
+    /// After [`Bvh::fit_grown`]: nothing has grown.
+    pub(super) fn accept_grown(&mut self) {
+        for &n in &self.work.made {
+            self.nodes[n as usize].grown = false;
+        }
+        self.work.made.clear();
+        (self.grown, self.enlarged) = (0, 0);
+    }
+
+    /// Gives a node's bounds to its parent.
+    fn fit(&mut self, n: u32) -> Aabb {
+        let (b, parent) = (self.nodes[n as usize].bounds(), self.nodes[n as usize].parent);
+        if parent != NONE {
+            let slot = self.slot_of(parent, n);
+            self.nodes[parent as usize].boxes[slot] = b;
+        }
+        b
     }
 }
 

@@ -5,8 +5,8 @@
 //! data and the way back up.
 //!
 //! * Building: binned surface-area heuristic (`build.rs`).
-//! * Moving: leaves get their boxes in place, and now and then the part of the tree that grew is built anew over what did not
-//!   (Catto, Box2D v3, "dynamic tree rebuild").
+//! * Moving: leaves get their boxes in place, and the part of the tree that grew is fitted to them, which keeps its form; once its nodes have
+//!   become large for that, it is built anew over what did not grow (Catto, Box2D v3, "dynamic tree rebuild"; Kopta et al. 2012).
 //! * Insertion: descends to the sibling that adds least area, then rotates subtrees on the way up where that
 //!   saves area (Kopta et al. 2012, "Fast, Effective BVH Updates for Animated Scenes"; Catto 2019, "Dynamic BVH").
 
@@ -20,6 +20,8 @@ use crate::Aabb;
 
 /// Grown nodes per enlarged leaf from which tidying is worth it.
 const TIDY_PART: u32 = 2;
+/// Area of the grown nodes, in what it was as they were built, from which they are built anew.
+const WORN: f64 = 1.25;
 /// No node, no leaf.
 const NONE: u32 = u32::MAX;
 /// Set in a child that is a leaf. [`NONE`] has it too and is asked about first.
@@ -60,6 +62,8 @@ struct Leaf {
 #[derive(Clone, Debug)]
 pub struct Bvh {
     nodes: Vec<Node>,
+    /// By node: area of its bounds as it was built; 0 where that is not known.
+    built: Vec<f32>,
     leaves: Vec<Leaf>,
     root: u32,
     free_node: u32,
@@ -74,6 +78,7 @@ impl Default for Bvh {
     fn default() -> Self {
         Self {
             nodes: Vec::new(),
+            built: Vec::new(),
             leaves: Vec::new(),
             root: NONE,
             free_node: NONE,
@@ -149,11 +154,17 @@ impl Bvh {
             n = parent;
         }
     }
-    /// Makes the part of the tree anew that [`Bvh::enlarge`] has grown, once that was asked often enough to be worth it: as often
-    /// as half that part has nodes. Subtrees in which nothing was enlarged stay.
+    /// Fits the part of the tree that [`Bvh::enlarge`] has grown, or builds it anew where that has made its nodes large, once that was asked
+    /// often enough to be worth it: as often as half that part has nodes. Subtrees in which nothing was enlarged stay.
     pub fn tidy(&mut self) {
-        if self.enlarged > 0 && self.enlarged >= self.grown / TIDY_PART {
+        if self.enlarged == 0 || self.enlarged < self.grown / TIDY_PART {
+            return;
+        }
+        let (now, built) = self.fit_grown();
+        if now > WORN * built {
             self.build_grown();
+        } else {
+            self.accept_grown();
         }
     }
     /// Gives leaves new boxes and recomputes every ancestor exactly: `f(data, box)` returns the new box of a leaf.
@@ -275,11 +286,13 @@ impl Bvh {
     fn new_node(&mut self, parent: u32) -> u32 {
         if self.free_node == NONE {
             self.nodes.push(Node::new(parent));
+            self.built.push(0.0);
             return self.nodes.len() as u32 - 1;
         }
         let n = self.free_node;
         self.free_node = self.nodes[n as usize].parent;
         self.nodes[n as usize] = Node::new(parent);
+        self.built[n as usize] = 0.0;
         n
     }
     fn free(&mut self, n: u32) {

@@ -288,7 +288,7 @@ fn settle(c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
     (c.foot, c.ground) = (out.foot, out.ground);
 }
 
-/// Impulses on what is in the way, and the weight on what it stands on.
+/// Forces on what is in the way, and the weight on what it stands on.
 fn push(world: &mut World, c: &Character, step: &Step, moved: bool) {
     let up = c.desc.mover.up;
     let ground = c.ground.map_or(Vec3::ZERO, |g| g.velocity);
@@ -300,7 +300,8 @@ fn push(world: &mut World, c: &Character, step: &Step, moved: bool) {
             && c.hits[..i].iter().all(|o| o.body != h.body)
             && let Some((at, j)) = world.push_of(h, up, wanted, c.desc.push_force * step.dt)
         {
-            let _ = world.do_impulse(h.body, j, Vec3::ZERO, Some(at));
+            // Over the step, as friction is: at once, what friction holds would slip a little in every step.
+            let _ = world.do_force(h.body, j * (1.0 / step.dt), Vec3::ZERO, Some(at));
         }
     }
     if let Some(g) = &c.ground {
@@ -317,11 +318,10 @@ fn weigh(world: &mut World, g: &CharacterGround, force: Vec3, dt: f32, moved: bo
     let Ok(slot) = world.slot(g.body) else { return };
     let body = &world.bodies[slot];
     if body.kind == BodyKind::Dynamic && (moved || body.row != NONE) {
-        let impulse = force * dt;
         let lever = (g.point - world.frames[slot as usize].center).as_vec3();
-        let kick = impulse.try_normalize().map_or(0.0, |(n, size)| size * world.give_of(slot, lever, n));
+        let kick = force.try_normalize().map_or(0.0, |(n, size)| size * dt * world.give_of(slot, lever, n));
         let part = f32s::min(1.0, KICK * world.settings.length_unit / f32s::max(kick, f32::MIN_POSITIVE));
-        let _ = world.do_impulse(g.body, impulse * part, Vec3::ZERO, Some(g.point));
+        let _ = world.do_force(g.body, force * part, Vec3::ZERO, Some(g.point));
     }
 }
 

@@ -5,7 +5,7 @@ use crate::error::{Error, Result, check};
 use crate::limits;
 use jounce_math::Vec3;
 
-/// How a wheel looks for the ground, once a step.
+/// How a wheel looks for the ground, in every substep.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum WheelCast {
     /// A cylinder of the wheel's size: sees kerbs and stairs as a wheel does.

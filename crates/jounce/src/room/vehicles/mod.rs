@@ -1,7 +1,7 @@
 //! Vehicles: what is between a body and the ground.
 //!
-//! The chassis is an ordinary dynamic body with the mass of the whole vehicle. Once a step its wheels look for the ground ([`crate::stage`]:
-//! a cylinder, ball or ray along the travel), which gives each a plane: point, normal, body, friction. In every substep
+//! The chassis is an ordinary dynamic body with the mass of the whole vehicle. In every substep its wheels look for the ground ([`crate::stage`]:
+//! a cylinder, ball or ray along the travel), which gives each a plane: point, normal, body, friction. Then
 //!
 //! * [`suspension`]: travel of each wheel, with its own mass, between its spring and the tyre's; implicit where it is stiff;
 //! * [`engine`], [`spin`]: torque curve, clutch, gears, differentials, tracks and brakes; stick and slip like Coulomb friction, solved
