@@ -126,4 +126,12 @@ mod book {
     struct Buoyancy;
     #[doc = include_str!("../../../docs/book/src/every.md")]
     struct Every;
+    #[doc = include_str!("../../../docs/book/src/joints.md")]
+    struct Joints;
+    #[doc = include_str!("../../../docs/book/src/vehicles.md")]
+    struct Vehicles;
+    #[doc = include_str!("../../../docs/book/src/characters.md")]
+    struct Characters;
+    #[doc = include_str!("../../../docs/book/src/breaking.md")]
+    struct Breaking;
 }

@@ -81,6 +81,11 @@ impl Tasks {
         Self(Mode::Chaos(Arc::new(Chaos { seed, stage: AtomicU64::new(0), pool })))
     }
 
+    /// Runs everything on the calling thread, in order.
+    pub fn is_serial(&self) -> bool {
+        matches!(self.0, Mode::Serial)
+    }
+
     /// Threads that take part in a stage, the caller included; at least 1.
     pub fn threads(&self) -> usize {
         match &self.0 {

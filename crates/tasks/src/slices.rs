@@ -52,58 +52,6 @@ impl Tasks {
         });
     }
 
-    /// Calls `f(index, a, b)` for the elements of two slices side by side; `chunk` elements make a unit.
-    ///
-    /// # Panics
-    /// If the lengths differ.
-    pub fn for_each2<A: Send, B: Send>(
-        &self,
-        a: &mut [A],
-        b: &mut [B],
-        chunk: usize,
-        f: impl Fn(usize, &mut A, &mut B) + Sync,
-    ) {
-        assert_eq!(a.len(), b.len(), "columns of different lengths");
-        let (len, chunk) = (a.len(), chunk.max(1));
-        let bases = (Base(a.as_mut_ptr()), Base(b.as_mut_ptr()));
-        let bases = &bases;
-        self.run(len.div_ceil(chunk), &|unit| {
-            let range = range(unit, chunk, len);
-            // SAFETY: as in `for_each_chunk`, for each of the two slices; their lengths are equal.
-            let (a, b) = unsafe { (bases.0.piece(&range), bases.1.piece(&range)) };
-            for (i, (a, b)) in a.iter_mut().zip(b).enumerate() {
-                f(range.start + i, a, b);
-            }
-        });
-    }
-
-    /// Calls `f(index, a, b, c)` for the elements of three slices side by side; `chunk` elements make a unit.
-    ///
-    /// # Panics
-    /// If the lengths differ.
-    pub fn for_each3<A: Send, B: Send, C: Send>(
-        &self,
-        a: &mut [A],
-        b: &mut [B],
-        c: &mut [C],
-        chunk: usize,
-        f: impl Fn(usize, &mut A, &mut B, &mut C) + Sync,
-    ) {
-        assert_eq!(a.len(), b.len(), "columns of different lengths");
-        assert_eq!(a.len(), c.len(), "columns of different lengths");
-        let (len, chunk) = (a.len(), chunk.max(1));
-        let bases = (Base(a.as_mut_ptr()), Base(b.as_mut_ptr()), Base(c.as_mut_ptr()));
-        let bases = &bases;
-        self.run(len.div_ceil(chunk), &|unit| {
-            let range = range(unit, chunk, len);
-            // SAFETY: as in `for_each_chunk`, for each of the three slices; their lengths are equal.
-            let (a, b, c) = unsafe { (bases.0.piece(&range), bases.1.piece(&range), bases.2.piece(&range)) };
-            for (i, ((a, b), c)) in a.iter_mut().zip(b).zip(c).enumerate() {
-                f(range.start + i, a, b, c);
-            }
-        });
-    }
-
     /// Fills `out` with `f(range)` for the chunks of `0..len`, in order of the chunks, whoever did them. What was in
     /// `out` is dropped; its allocation is kept.
     ///
@@ -132,6 +80,40 @@ impl Tasks {
         unsafe { out.set_len(units) };
     }
 }
+
+/// A method that walks several slices side by side.
+macro_rules! side_by_side {
+    ($name:ident: $($column:ident $T:ident),+) => {
+        impl Tasks {
+            /// Calls `f(index, …)` for the elements of several slices side by side; `chunk` elements make a unit.
+            ///
+            /// # Panics
+            /// If the lengths differ.
+            pub fn $name<$($T: Send),+>(
+                &self,
+                ($($column),+): ($(&mut [$T]),+),
+                chunk: usize,
+                f: impl Fn(usize, $(&mut $T),+) + Sync,
+            ) {
+                let lens = [$($column.len()),+];
+                assert!(lens.iter().all(|l| *l == lens[0]), "columns of different lengths");
+                let (len, chunk) = (lens[0], chunk.max(1));
+                $(let $column = &Base($column.as_mut_ptr());)+
+                self.run(len.div_ceil(chunk), &|unit| {
+                    let range = range(unit, chunk, len);
+                    // SAFETY: as in `for_each_chunk`, for each of the slices; their lengths are equal.
+                    $(let $column = unsafe { $column.piece(&range) };)+
+                    for i in 0..range.len() {
+                        f(range.start + i, $(&mut $column[i]),+);
+                    }
+                });
+            }
+        }
+    };
+}
+
+side_by_side!(for_each2: a A, b B);
+side_by_side!(for_each5: a A, b B, c C, d D, e E);
 
 #[cfg(test)]
 mod tests {
@@ -163,13 +145,17 @@ mod tests {
     fn columns_go_side_by_side() {
         for tasks in schedulers() {
             let (mut a, mut b, mut c) = (vec![1u64; 333], vec![2u32; 333], vec![3u8; 333]);
+            let (mut d, mut e) = (vec![0u16; 333], vec![0i64; 333]);
             tasks.for_each(&mut a, 10, |i, a| *a += i as u64);
-            tasks.for_each2(&mut a, &mut b, 10, |i, a, b| (*a, *b) = (*a * 2, *a as u32 + i as u32));
-            tasks.for_each3(&mut a, &mut b, &mut c, 10, |i, a, b, c| *c = (*a + *b as u64 + i as u64) as u8);
+            tasks.for_each2((&mut a, &mut b), 10, |i, a, b| (*a, *b) = (*a * 2, *a as u32 + i as u32));
+            tasks.for_each5((&mut a, &mut b, &mut c, &mut d, &mut e), 10, |i, a, b, c, d, e| {
+                (*c, *d, *e) = ((*a + *b as u64 + i as u64) as u8, i as u16, -(*b as i64));
+            });
             for i in 0..333u64 {
                 let (x, y) = ((1 + i) * 2, 1 + 2 * i);
-                assert_eq!((a[i as usize], b[i as usize] as u64), (x, y));
-                assert_eq!(c[i as usize], (x + y + i) as u8);
+                let i = i as usize;
+                assert_eq!((a[i], b[i] as u64), (x, y));
+                assert_eq!((c[i], d[i], e[i]), ((x + y + i as u64) as u8, i as u16, -(y as i64)));
             }
         }
     }

@@ -11,6 +11,7 @@
 //!   saves area (Kopta et al. 2012, "Fast, Effective BVH Updates for Animated Scenes"; Catto 2019, "Dynamic BVH").
 
 mod build;
+mod probe;
 mod query;
 mod stack;
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Walks through the tree.
 
+use super::probe::Probe;
 use super::stack::Stack;
 use super::{Bvh, LEAF, NONE};
 use crate::Aabb;
@@ -17,12 +18,14 @@ impl Bvh {
     pub fn query_leaves(&self, aabb: &Aabb, mut f: impl FnMut(u32, u32) -> bool) {
         let mut stack = Stack::new(NONE);
         let mut current = self.root;
+        let probe = Probe::new(aabb);
         loop {
             let Some(node) = self.nodes.get(current as usize) else { return };
+            let meets = [probe.meets(&node.boxes[0]), probe.meets(&node.boxes[1])];
             let mut next = NONE;
             for k in [0, 1] {
                 let child = node.children[k];
-                if child == NONE || !node.boxes[k].overlaps(aabb) {
+                if child == NONE || !meets[k] {
                     continue;
                 }
                 if child & LEAF != 0 {

@@ -56,6 +56,10 @@ pub(crate) struct Scratch {
     pub candidates: Vec<Vec<u64>>,
     pub keys: Vec<u64>,
     pub ends: Vec<u32>,
+    /// By awake row: frames at the end of the step, on several threads.
+    pub ends_of_step: Vec<crate::room::rigid::state::BodyFrame>,
+    /// New bounds, one list per unit.
+    pub bounds: Vec<publish::Moves>,
     /// Bodies to wake.
     pub wakes: Vec<u32>,
     pub parent: Vec<u32>,

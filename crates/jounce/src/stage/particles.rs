@@ -175,7 +175,7 @@ fn solve_blocks(world: &World, particles: &mut Particles, scratch: &mut Scratch)
     let reach =
         if shared.steps.iter().flatten().any(|s| s.rules.is_some()) { obstacles::reach(world) } else { 0.0 };
     let n = pool.len();
-    world.tasks.for_each2(pool, &mut outs[..n], BLOCKS, |_, block, out| {
+    world.tasks.for_each2((pool, &mut outs[..n]), BLOCKS, |_, block, out| {
         let Some(e) = emitters.get(block.emitter) else { return };
         let Some(Some(step)) = shared.steps.get(block.emitter as usize) else { return };
         solve_block(world, e, step, shared, block, out, reach);

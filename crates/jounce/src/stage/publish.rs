@@ -9,6 +9,9 @@ use crate::world::World;
 use jounce_geometry::Aabb;
 use jounce_math::{Vec3, scalar::f32s};
 
+/// Bodies in a unit.
+const BODIES: usize = 128;
+
 pub(crate) fn run(world: &mut World, step: &Step) {
     bounds(world, step);
     super::sensors::run(world);
@@ -17,46 +20,82 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     world.fields.time = world.time();
 }
 
-/// Moves the fat bounds of shapes that left theirs. What has not moved as far as it has room is not looked at.
+/// What a unit of bodies found out about their bounds.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Moves {
+    /// By row: how far it may still go.
+    rooms: Vec<f32>,
+    /// Shapes that left their fat bounds, and new ones.
+    left: Vec<(u32, Aabb)>,
+    unbounded: Vec<u32>,
+}
+
+/// Moves the fat bounds of shapes that left theirs.
 fn bounds(world: &mut World, step: &Step) {
-    let sweep = world.bouncy > 0;
-    for row in 0..world.awake.step.len() {
-        let slot = world.awake.step[row].body;
-        let body = &world.bodies[slot];
-        // Bouncing pairs must be seen a step ahead.
-        let ahead =
-            if sweep || body.looks_ahead() { world.awake.state[row].v() * step.dt } else { Vec3::ZERO };
-        let room = world.awake.step[row].room - moved(&world.frames[slot as usize], body.mass.outer_radius);
-        if room > ahead.length() {
-            world.awake.step[row].room = room;
-            continue;
+    let rows = world.awake.step.len();
+    let units = rows.div_ceil(BODIES);
+    let mut moves = core::mem::take(&mut world.scratch.bounds);
+    moves.resize_with(units.max(moves.len()), Moves::default);
+    let shared: &World = world;
+    shared.tasks.for_each(&mut moves[..units], 1, |unit, m| {
+        m.rooms.clear();
+        m.left.clear();
+        m.unbounded.clear();
+        for row in unit * BODIES..rows.min((unit + 1) * BODIES) {
+            let room = look(shared, step, row, m);
+            m.rooms.push(room);
         }
-        let mut room = f32::INFINITY;
-        for i in 0..world.bodies[slot].shapes.len() {
-            let s = world.bodies[slot].shapes[i];
-            let Place::MovingTree(leaf) = world.shapes[s].place else {
-                if world.shapes[s].place == Place::Unbounded {
-                    world.mark_moved(s);
-                    room = 0.0;
-                }
-                continue;
-            };
-            let tight = world.tight_bounds(s);
-            let next = tight.union(&Aabb::new(tight.min + ahead, tight.max + ahead));
-            if !world.fat[s as usize].contains(&next) {
-                let margin = margin_of(&next, world.settings.length_unit);
-                let fat = next.expanded(margin);
-                world.fat[s as usize] = fat;
+    });
+    let rooms = moves[..units].iter().flat_map(|m| &m.rooms);
+    world.awake.step.iter_mut().zip(rooms).for_each(|(b, room)| b.room = *room);
+    for m in &moves[..units] {
+        m.unbounded.iter().for_each(|&s| world.mark_moved(s));
+        for &(s, fat) in &m.left {
+            world.fat[s as usize] = fat;
+            if let Place::MovingTree(leaf) = world.shapes[s].place {
                 world.moving_tree.enlarge(leaf, fat);
-                world.mark_moved(s);
             }
-            // The radius is that of the solid shapes.
-            let left = if world.shapes[s].sensor { 0.0 } else { slack(&world.fat[s as usize], &tight) };
-            room = f32s::min(room, left);
+            world.mark_moved(s);
         }
-        world.awake.step[row].room = room;
     }
+    world.scratch.bounds = moves;
     world.moving_tree.tidy();
+}
+
+/// The room that a body still has; what left its bounds goes into the list. What has not moved as far as it has room is not looked at.
+fn look(world: &World, step: &Step, row: usize, m: &mut Moves) -> f32 {
+    let b = &world.awake.step[row];
+    let body = &world.bodies[b.body];
+    // Bouncing pairs must be seen a step ahead.
+    let far = world.bouncy > 0 || body.looks_ahead();
+    let ahead = if far { world.awake.state[row].v() * step.dt } else { Vec3::ZERO };
+    let room = b.room - moved(&world.frames[b.body as usize], body.mass.outer_radius);
+    if room > ahead.length() {
+        return room;
+    }
+    let mut room = f32::INFINITY;
+    for &s in &body.shapes {
+        let r = &world.shapes[s];
+        match r.place {
+            Place::MovingTree(_) => {}
+            Place::Unbounded => {
+                m.unbounded.push(s);
+                room = 0.0;
+                continue;
+            }
+            _ => continue,
+        }
+        let tight = world.tight_bounds(s);
+        let next = tight.union(&Aabb::new(tight.min + ahead, tight.max + ahead));
+        let mut fat = world.fat[s as usize];
+        if !fat.contains(&next) {
+            fat = next.expanded(margin_of(&next, world.settings.length_unit));
+            m.left.push((s, fat));
+        }
+        // The radius is that of the solid shapes.
+        room = f32s::min(room, if r.sensor { 0.0 } else { slack(&fat, &tight) });
+    }
+    room
 }
 
 /// How far the farthest point of a body went in the step, at most, m.

@@ -74,11 +74,24 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
 
 fn poses(world: &mut World, step: &Step) {
     let limits = speed_limits(world, step);
-    let a = &mut world.awake;
-    for (((s, b), i), t) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia).zip(&mut a.turning) {
-        let body = &world.bodies[b.body];
-        let frame = &mut world.frames[b.body as usize];
-        rigid::finish(s, b, t, i, frame, body, step.dt, &limits);
+    let (a, bodies) = (&mut world.awake, &world.bodies);
+    if world.tasks.is_serial() {
+        for (((s, b), i), t) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia).zip(&mut a.turning) {
+            let frame = &mut world.frames[b.body as usize];
+            rigid::finish(s, b, t, i, frame, &bodies[b.body], step.dt, &limits);
+        }
+        return;
+    }
+    // Frames lie by slot: units make copies by row, which then go to their places.
+    let (frames, ends) = (&world.frames, &mut world.scratch.ends_of_step);
+    ends.clear();
+    ends.extend(a.step.iter().map(|b| frames[b.body as usize]));
+    let columns = (&mut a.state[..], &mut a.step[..], &mut a.inertia[..], &mut a.turning[..], &mut ends[..]);
+    world.tasks.for_each5(columns, BODIES, |_, s, b, i, t, frame| {
+        rigid::finish(s, b, t, i, frame, &bodies[b.body], step.dt, &limits);
+    });
+    for (b, end) in a.step.iter().zip(ends) {
+        world.frames[b.body as usize] = *end;
     }
 }
 
@@ -118,7 +131,7 @@ fn positions(world: &mut World, step: &Step) {
     let (bodies, frames) = (&world.bodies, &world.frames);
     let a = &mut world.awake;
     let steps = &a.step;
-    world.tasks.for_each2(&mut a.state, &mut a.turning, BODIES, |i, s, turning| {
+    world.tasks.for_each2((&mut a.state, &mut a.turning), BODIES, |i, s, turning| {
         integrate_position(s, &steps[i], turning, bodies, frames, &sub);
     });
 }
