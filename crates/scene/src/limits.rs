@@ -59,3 +59,5 @@ pub const CUT_CELLS_MAX: f64 = 262_144.0;
 pub const CUTS_MAX: usize = 8;
 /// Most bytes of all mesh files of one scene.
 pub const MESH_TOTAL_BYTES: u64 = 1 << 30;
+/// Most angular velocity of a bone of a pose about each axis, rad/s; in the joint's axes it stays below the engine's bound.
+pub const SPIN_POSED_MAX: f32 = 1e4;

@@ -5,7 +5,7 @@ use crate::characters::CharacterGroup;
 use crate::emitters::{Emitters, emitters};
 use crate::error::{Checked, SceneError, Under, Wrong};
 use crate::fields::{Field, fields};
-use crate::joints::{JointGroup, JointNames, find_ends, group as joint_group};
+use crate::joints::{JointGroup, JointNames, Mortar, find_ends, group as joint_group, mortar};
 use crate::limits;
 use crate::mesh::{MeshData, triangles_max};
 use crate::plan::{
@@ -45,6 +45,7 @@ pub struct Scene {
     pub(crate) world: WorldDesc,
     pub(crate) groups: Vec<Group>,
     pub(crate) joints: Vec<JointGroup>,
+    pub(crate) mortar: Vec<Mortar>,
     /// Those of `spawn` too, as characters and ragdolls.
     pub(crate) vehicles: Vec<VehicleGroup>,
     pub(crate) characters: Vec<CharacterGroup>,
@@ -141,7 +142,7 @@ impl Scene {
         })
     }
 
-    /// Joints that are there from the start.
+    /// Joints that are there from the start, but for those of mortar: a simulation finds out where bodies touch.
     pub fn joints(&self) -> usize {
         let dolls = self.ragdolls[self.movers.ragdolls.clone()].iter().map(RagdollGroup::joints);
         self.joints.iter().map(JointGroup::len).chain(dolls).sum()
@@ -181,6 +182,7 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
     let start = (&spec.vehicles[..], &spec.characters[..], &spec.ragdolls[..]);
     let movers = cast.add(start, 1, &mut library, &mut census, &mut named)?;
     let joints = joints(&spec, &names, &mut joint_names, &mut census)?;
+    let mortar = mortar(&spec.mortar, &names, &mut joint_names)?;
     let fields = fields(&spec.fields, &names)?;
     let emitters = emitters(&spec.emitters, &mut library, &names)?;
     let systems = systems(&spec.systems, 1.0 / (world.rate_hz * f64::from(world.substeps)))?;
@@ -207,6 +209,7 @@ fn resolve(spec: SceneSpec, name: &str, here: &Path, options: &LoadOptions) -> C
         world,
         groups,
         joints,
+        mortar,
         vehicles: cast.vehicles.0,
         characters: cast.characters.0,
         ragdolls: cast.ragdolls.0,

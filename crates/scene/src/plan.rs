@@ -10,7 +10,9 @@ use crate::joints::{
 };
 use crate::limits;
 use crate::movers::{CharacterValue, VehicleValue, of_characters, of_vehicles};
-use crate::ragdolls::{Hold, Posing, RagdollGroup, RagdollNames, grab, held, pose, ragdolls};
+use crate::ragdolls::{
+    Bones, Hold, Leading, Posing, RagdollGroup, RagdollNames, grab, held, lead, pose, ragdolls, relax, release,
+};
 use crate::shapes::{Library, rotation, unknown};
 use crate::spec::{
     AggregateSpec, CharacterSpec, EventSpec, ExpectSpec, Map, PlaceSpec, ProbeSpec, PushSpec, RagdollSpec,
@@ -23,6 +25,7 @@ use jounce::math::{DVec3, Quat, Vec3};
 use jounce::{BodyKind, Explosion, JointKind};
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What a scene holds beside bodies, for those who name it.
 #[derive(Clone, Copy)]
@@ -513,6 +516,7 @@ impl Entry {
             Action::Push { duration, .. }
             | Action::MoveTo { duration, .. }
             | Action::Drive { duration, .. } => *duration,
+            Action::Lead(l) => l.lasts(),
             _ => 0.0,
         };
         self.at + self.every * (self.times - 1) as f64 + lasts
@@ -543,7 +547,9 @@ pub(crate) enum Action {
     Drive { target: Target, input: VehicleInputSpec, duration: f64 },
     Walk(Target, Wish),
     Pose(Target, Posing),
-    Relax(Target),
+    Relax(Bones),
+    Lead(Arc<Leading>),
+    Release(Bones),
     Grab(Box<Hold>),
 }
 
@@ -701,6 +707,8 @@ fn action(
         ("walk", t.walk.is_some()),
         ("pose", t.pose.is_some()),
         ("relax", t.relax.is_some()),
+        ("lead", t.lead.is_some()),
+        ("release", t.release.is_some()),
         ("grab", t.grab.is_some()),
     ];
     let n = given.iter().filter(|(_, there)| *there).count();
@@ -807,7 +815,16 @@ fn action(
         return pose(p, names, all).map(|(t, p)| Action::Pose(t, p)).key("pose");
     }
     if let Some(r) = &t.relax {
-        return sources.ragdolls.0.resolve(&r.ragdoll).map(Action::Relax).key("ragdoll").key("relax");
+        let (names, all) = sources.ragdolls;
+        return relax(r, names, all).map(Action::Relax).key("relax");
+    }
+    if let Some(l) = &t.lead {
+        let (names, all) = sources.ragdolls;
+        return lead(l, names, all).map(|l| Action::Lead(Arc::new(l))).key("lead");
+    }
+    if let Some(r) = &t.release {
+        let (names, all) = sources.ragdolls;
+        return release(r, names, all).map(Action::Release).key("release");
     }
     if let (Some(g), Some(mut hand)) = (&t.grab, hand) {
         hand.body = held(g, names).key("grab")?;
@@ -818,14 +835,14 @@ fn action(
     Ok(Action::Spawn(groups, joints, movers))
 }
 
-fn bounded(v: [f32; 3], limit: f32, unit: &str) -> Checked<Vec3> {
+pub(crate) fn bounded(v: [f32; 3], limit: f32, unit: &str) -> Checked<Vec3> {
     if v.iter().all(|x| x.abs() <= limit) {
         return Ok(Vec3::from_array(v));
     }
     Err(Wrong::new(format!("is {v:?}"), format!("within ±{limit:e} {unit}")))
 }
 
-fn world_point(p: [f64; 3]) -> Checked<DVec3> {
+pub(crate) fn world_point(p: [f64; 3]) -> Checked<DVec3> {
     if p.iter().all(|x| x.abs() <= POSITION_MAX) {
         return Ok(DVec3::from_array(p));
     }

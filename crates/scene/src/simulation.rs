@@ -8,17 +8,18 @@ use crate::joints::{JointGroup, JointLook, JointRecords, measured};
 use crate::load::Scene;
 use crate::plan::{Action, Look, Movers, Push, step_at, step_from};
 use crate::probe::{EventCounts, Records, Seen, evaluate};
-use crate::ragdolls::{Hold, RagdollGroup, RagdollRecords};
+use crate::ragdolls::{Bones, Hold, Leading, Led, RagdollGroup, RagdollRecords, is_led, turn_between};
 use crate::report::{Judge, Report, StepTimes};
 use crate::samples::Samples;
 use crate::systems::System;
 use crate::vehicles::{Chassis, Driver, VehicleGroup, VehicleRecords, input, toward};
-use jounce::math::{Quat, Vec3, WorldPose};
+use jounce::math::WorldPose;
 use jounce::tasks::Tasks;
 use jounce::{
-    BodyId, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, Ragdoll, StateHasher,
+    BodyId, BodyKind, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, Ragdoll, StateHasher,
     VehicleId, VehicleInput, World,
 };
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A running scene.
@@ -90,6 +91,7 @@ enum Active {
     Push { until: u64, target: Target, push: Push },
     Move { from_step: u64, until: u64, body: BodyId, from: WorldPose, to: WorldPose },
     Drive { from_step: u64, until: u64, vehicle: VehicleId, from: VehicleInput, to: VehicleInput },
+    Lead(Led),
 }
 
 impl Simulation {
@@ -146,6 +148,7 @@ impl Simulation {
         let joined = s.join(&joints, None);
         s.scene.joints = joints;
         joined?;
+        s.lay_mortar()?;
         s.add_fields()?;
         s.add_emitters()?;
         s.start_energy = s.world.energy().total();
@@ -522,6 +525,27 @@ impl Simulation {
         Ok(())
     }
 
+    /// Welds the bodies of each entry of `mortar` that touch.
+    fn lay_mortar(&mut self) -> Result<(), SceneError> {
+        for n in 0..self.scene.mortar.len() {
+            let m = &self.scene.mortar[n];
+            let bodies: Vec<BodyId> = m.bodies.iter().flat_map(|t| self.records.of(t)).copied().collect();
+            let welds = self.world.glue(&bodies, &m.desc);
+            let entry = format!("mortar[{n}]");
+            let welds = welds.map_err(|e| self.refused(&e).within(&entry))?;
+            if welds.is_empty() {
+                let (scene, time) = (self.scene.name.clone(), self.world.time());
+                let expected = format!("at least {} m² with no gap above {} m", m.desc.area_min, m.desc.gap);
+                let message = format!("no two of its bodies share a face; expected {expected}");
+                return Err(SceneError::Run { scene, time, message }.within(&entry));
+            }
+            for id in m.name.iter().flat_map(|name| welds.iter().map(move |id| (name, *id))) {
+                self.joints.add_named(id.0, id.1);
+            }
+        }
+        Ok(())
+    }
+
     fn absent(&self, g: &JointGroup, n: usize, what: &str, name: &str, index: usize) -> SceneError {
         let joint = g.label(n, 0).map_or_else(|| "a joint".into(), |l| format!("joint \"{l}\""));
         let message = format!("{joint}: {what} \"{name}\" number {index} is not there; expected one that is");
@@ -671,17 +695,18 @@ impl Simulation {
             }
             Action::Pose(target, p) => {
                 for doll in self.left_of(target) {
-                    let driven = doll.drive(&mut self.world, &p.poses, &p.drive, &p.strengths);
-                    driven.map_err(|e| self.refused(&e))?;
+                    p.put(&doll, &mut self.world).map_err(|e| self.refused(&e))?;
                 }
                 Ok(())
             }
-            Action::Relax(target) => {
-                for doll in self.left_of(target) {
-                    doll.relax(&mut self.world).map_err(|e| self.refused(&e))?;
+            Action::Relax(bones) => {
+                for doll in self.left_of(&bones.target) {
+                    bones.relax(&doll, &mut self.world).map_err(|e| self.refused(&e))?;
                 }
                 Ok(())
             }
+            Action::Lead(way) => self.lead(way, now),
+            Action::Release(bones) => self.release(bones),
             Action::Grab(hold) => self.grab(hold, occurrence),
             Action::SetField(n, on) => {
                 let Some(&id) = self.fields.get(*n) else { return Ok(()) };
@@ -705,6 +730,49 @@ impl Simulation {
             }
         }
         dolls
+    }
+
+    /// Takes bones on their way; what led them before lets go of them.
+    fn lead(&mut self, way: &Arc<Leading>, now: u64) -> Result<(), SceneError> {
+        let rate_hz = self.scene.world.rate_hz;
+        let dolls = self.ragdolls.of(&way.target).to_vec();
+        self.gone += usize::from(dolls.is_empty());
+        for (n, doll) in dolls.iter().enumerate() {
+            let copy = way.target.index.unwrap_or(0) + n;
+            let Some(g) = self.scene.ragdolls.get(way.entry) else { continue };
+            let Some(led) = Led::start(way, g, (copy, doll), &self.world, (now, rate_hz)) else {
+                self.gone += 1;
+                continue;
+            };
+            self.gone += way.led.iter().filter(|l| **l).count() - led.bones.len();
+            let bones: Vec<BodyId> = led.bones.iter().map(|b| b.1).collect();
+            self.end_ways(&bones);
+            bones.iter().try_for_each(|b| self.apply(Command::SetKind(*b, BodyKind::Kinematic)))?;
+            self.active.push(Active::Lead(led));
+        }
+        Ok(())
+    }
+
+    /// Gives bones back to physics.
+    fn release(&mut self, bones: &Bones) -> Result<(), SceneError> {
+        let dolls = self.ragdolls.of(&bones.target).to_vec();
+        self.gone += usize::from(dolls.is_empty());
+        for doll in &dolls {
+            let some = doll.bodies.iter().zip(&bones.some).filter(|(_, some)| **some);
+            let some: Vec<BodyId> = some.map(|(b, _)| *b).collect();
+            self.end_ways(&some);
+            let there = self.there(&some, |w, b| w.body(b).is_ok());
+            there.into_iter().try_for_each(|b| self.apply(Command::SetKind(b, BodyKind::Dynamic)))?;
+        }
+        Ok(())
+    }
+
+    fn end_ways(&mut self, bones: &[BodyId]) {
+        for a in &mut self.active {
+            if let Active::Lead(led) = a {
+                led.bones.retain(|b| !bones.contains(&b.1));
+            }
+        }
     }
 
     /// Adds the scene's emitters, in the order of the file.
@@ -776,6 +844,7 @@ impl Simulation {
             // A body removed on the way ends its way.
             Active::Move { until, body, .. } => *until > now && self.world.body(*body).is_ok(),
             Active::Drive { until, vehicle, .. } => *until > now && self.world.vehicle(*vehicle).is_ok(),
+            Active::Lead(l) => l.until > now && l.bones.iter().any(|b| is_led(&self.world, b.1)),
         });
         let done = active.iter().try_for_each(|a| match a {
             Active::Push { target, push, .. } => {
@@ -790,6 +859,11 @@ impl Simulation {
             Active::Drive { from_step, until, vehicle, from, to } => {
                 let part = (now + 1 - from_step) as f64 / (until - from_step) as f64;
                 self.apply(Command::SetVehicleInput(*vehicle, toward(from, to, part)))
+            }
+            Active::Lead(led) => {
+                let Some(g) = self.scene.ragdolls.get(led.entry()) else { return Ok(()) };
+                let moves = led.go_on(g, &self.world, now);
+                moves.into_iter().try_for_each(|m| self.apply(m))
             }
         });
         self.active = active;
@@ -854,12 +928,5 @@ fn due(scene: &Scene) -> Vec<Due> {
 /// The pose a part of the way, turning at a constant rate.
 fn between(from: &WorldPose, to: &WorldPose, part: f64) -> WorldPose {
     let p = from.p + (to.p - from.p) * part;
-    let mut turn = to.q * from.q.conjugate();
-    if turn.w < 0.0 {
-        turn = Quat::new(-turn.x, -turn.y, -turn.z, -turn.w);
-    }
-    let axis: Vec3 = turn.xyz().normalize_or(Vec3::Y);
-    let q = Quat::from_axis_angle(axis, turn.angle() * part as f32) * from.q;
-    let exact = part >= 1.0;
-    WorldPose::new(if exact { to.p } else { p }, if exact { to.q } else { q.normalize() })
+    WorldPose::new(if part >= 1.0 { to.p } else { p }, turn_between(from.q, to.q, part))
 }

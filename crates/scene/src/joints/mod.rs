@@ -1,6 +1,7 @@
 //! Joints of a scene file: templates, their copies, and the names that probes and actions know them by.
 
 mod kinds;
+mod mortar;
 
 use crate::bodies::{Census, Names, Target, check_name, color, given_twice, resolve_name};
 use crate::error::{Checked, Under, Wrong};
@@ -12,6 +13,7 @@ use jounce::math::{DVec3, Pose, Quat, Vec3, WorldPose};
 use jounce::{BodyId, JointDesc, JointFrames, JointId, JointKind, JointSolver};
 use kinds::{Kinds, kind};
 pub(crate) use kinds::{NewMotor, set_joint, set_motor, stiffness};
+pub(crate) use mortar::{Mortar, mortar};
 use std::collections::BTreeMap;
 
 /// A joint to be copied, or a single one.

@@ -74,6 +74,25 @@ pub struct JointSpec {
     pub repeat: Option<Box<JointRepeatSpec>>,
 }
 
+/// Mortar: welds wherever two of these bodies touch face to face, as strong as the area that they share. A weld of area A holds the
+/// force σ A, and the moment σ A √A / 6.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MortarSpec {
+    /// Name of all these welds for probes and the timeline, which know each as `name[0]`, `name[1]`, …: in the order of the bodies.
+    pub name: Option<String>,
+    /// Names, each of one or many bodies that are there from the start; some are dynamic.
+    pub bodies: Vec<String>,
+    /// Tensile strength σ, Pa: lime mortar 1e5, cement 1e6, wood glue 1e7.
+    pub strength: f32,
+    /// Widest gap that it fills, m. Default 0.005.
+    pub gap: Option<f32>,
+    /// Smallest area that it holds on, m²: edges and corners stay loose. Default 1e-4.
+    pub area_min: Option<f32>,
+    /// What holds is a spring.
+    pub softness: Option<StiffnessSpec>,
+}
+
 /// A frame on a body; its x is the joint's main axis.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

@@ -64,6 +64,9 @@ pub struct SceneSpec {
     /// What holds bodies together: hinges, ropes, springs, gears, ….
     #[serde(default)]
     pub joints: Vec<JointSpec>,
+    /// What glues bodies together that touch: walls, arches, towers.
+    #[serde(default)]
+    pub mortar: Vec<MortarSpec>,
     /// Cars, motorcycles, tanks, snowboards.
     #[serde(default)]
     pub vehicles: Vec<VehicleSpec>,

@@ -118,12 +118,14 @@ pub struct PoseSpec {
     pub strength: Option<f32>,
     /// Stiffness of every joint. Default 8 Hz, damping ratio 1.
     pub spring: Option<StiffnessSpec>,
-    /// By bone.
+    /// By bone; not of roots, which hang on no bone.
     #[serde(default)]
     pub bones: Map<BonePoseSpec>,
+    /// What the bones do that are not in `bones`. Default rest.
+    pub others: Option<OthersSpec>,
 }
 
-/// Where one bone should be.
+/// Where one bone should be, and how it goes on from there.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BonePoseSpec {
@@ -131,16 +133,76 @@ pub struct BonePoseSpec {
     pub rotation_deg: Option<[f32; 3]>,
     /// The same as a quaternion x, y, z, w.
     pub rotation: Option<[f32; 4]>,
+    /// Angular velocity against the parent about the same axes, rad/s, that the joint's damping follows: a joint that turns freely
+    /// goes ahead of the pose by damping / stiffness times this. Default none.
+    pub angular_velocity: Option<[f32; 3]>,
     /// Factor on `strength`. Default 1.
     pub strength: Option<f32>,
 }
 
-/// Lets ragdolls go limp, but for friction and rest springs.
+/// What the bones do that a pose does not name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum OthersSpec {
+    /// They are driven to rest.
+    Rest,
+    /// They go limp, as by `relax`.
+    Limp,
+    /// They go on as they were: driven by an earlier pose, or limp.
+    Keep,
+}
+
+/// Bones of ragdolls.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct RelaxSpec {
+pub struct BonesSpec {
     /// Name of one or many ragdolls.
     pub ragdoll: String,
+    /// Names of bones. Default: all.
+    pub bones: Option<Vec<String>>,
+}
+
+/// Leads bones of ragdolls along an animation. They become kinematic, go from where they are to the first key, from there to the
+/// next, and stay where the last one leaves them until they are released; the other bones hang on them.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LeadSpec {
+    /// Name of one or many ragdolls.
+    pub ragdoll: String,
+    /// Names of the bones that are led. Default: all.
+    pub bones: Option<Vec<String>>,
+    /// In all keys x and z of `position` count from where the first bone is as the action begins, at rest above them: a ragdoll gets up
+    /// where it lies. Default false.
+    pub here: Option<bool>,
+    /// Where to, one after the other.
+    pub keys: Vec<LeadKeySpec>,
+}
+
+/// Where a ragdoll is led to.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LeadKeySpec {
+    /// When it is there, s after the action began: later than the key before, and than 0.
+    pub at: f64,
+    /// Where the ragdoll's frame is, m; copies keep their distances. Default: the ragdoll's own `position` (with `here`, its y alone).
+    pub position: Option<[f64; 3]>,
+    /// Turn of the frame about fixed x, then y, then z, degrees. Default: the ragdoll's own.
+    pub rotation_deg: Option<[f32; 3]>,
+    /// The same as a quaternion x, y, z, w.
+    pub rotation: Option<[f32; 4]>,
+    /// Turns of bones against their parents; those that are not named are as at rest.
+    #[serde(default)]
+    pub bones: Map<BoneTurnSpec>,
+}
+
+/// How one bone is turned.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoneTurnSpec {
+    /// Turn from rest about the ragdoll's x, then y, then z at rest, degrees. Default none.
+    pub rotation_deg: Option<[f32; 3]>,
+    /// The same as a quaternion x, y, z, w.
+    pub rotation: Option<[f32; 4]>,
 }
 
 /// Takes hold of a body by springs, as a mouse does. The hand is a kinematic body: `move_to` drags it, `remove` lets go.

@@ -1,8 +1,8 @@
 //! What happens, what is measured, what must come out, how it is shown.
 
 use super::{
-    BodySpec, CharacterSpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec, JointSpec,
-    NamedJointSpec, PoseSpec, RagdollSpec, RelaxSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec,
+    BodySpec, BonesSpec, CharacterSpec, DriveSpec, EmitSpec, EnableJointSpec, ExplodeSpec, GrabSpec,
+    JointSpec, LeadSpec, NamedJointSpec, PoseSpec, RagdollSpec, SetEmitterSpec, SetFieldSpec, SetJointSpec,
     SetMotorSpec, VehicleSpec, WalkSpec,
 };
 use schemars::JsonSchema;
@@ -10,8 +10,8 @@ use serde::Deserialize;
 
 /// A timed action: exactly one of `spawn`, `push`, `set_velocity`, `remove`, `teleport`, `move_to`, `set_gravity`,
 /// `wake`, `sleep`, `enable`, `explode`, `set_field`,
-/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint`, `enable_joint`, `enable_vehicle`, `drive`, `walk`, `pose`, `relax` and
-/// `grab`. An action leaves out what is not there (any more): a removed body, a joint that was cut, a ragdoll's lost bone; the run warns
+/// `emit`, `set_emitter`, `cut`, `set_motor`, `set_joint`, `enable_joint`, `enable_vehicle`, `drive`, `walk`, `pose`, `relax`, `lead`,
+/// `release` and `grab`. An action leaves out what is not there (any more): a removed body, a joint that was cut, a ragdoll's lost bone; the run warns
 /// once of each entry that did.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -66,8 +66,12 @@ pub struct TimelineSpec {
     pub walk: Option<Box<WalkSpec>>,
     /// Drives ragdolls to a pose.
     pub pose: Option<Box<PoseSpec>>,
-    /// Lets ragdolls go limp.
-    pub relax: Option<RelaxSpec>,
+    /// Lets ragdolls, or some of their bones, go limp but for friction and rest springs.
+    pub relax: Option<BonesSpec>,
+    /// Leads bones of ragdolls along an animation.
+    pub lead: Option<Box<LeadSpec>>,
+    /// Gives bones that were led back: they are dynamic again, and at rest.
+    pub release: Option<BonesSpec>,
     /// Takes hold of a body.
     pub grab: Option<Box<GrabSpec>>,
 }

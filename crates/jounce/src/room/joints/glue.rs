@@ -7,8 +7,9 @@
 //! Source: Timoshenko, Strength of materials, section modulus.
 
 use super::desc::{JointDesc, SpringDesc};
-use crate::error::{Result, check};
+use crate::error::{Error, Result, check};
 use crate::handle::{BodyId, JointId};
+use crate::limits;
 use crate::query::QueryFilter;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -35,7 +36,11 @@ impl GlueDesc {
     pub const fn new(strength: f32) -> Self {
         Self { strength, gap: 0.005, area_min: 1e-4, softness: None }
     }
-    fn check(&self) -> Result<()> {
+    /// Refuses what no mortar can be. (Softness is checked as joints are added.)
+    ///
+    /// # Errors
+    /// Names the field, its value and what was expected.
+    pub fn check(&self) -> Result<()> {
         check(self.strength > 0.0, "glue", "strength", self.strength, "above 0 Pa")?;
         check((0.0..=1e3).contains(&self.gap), "glue", "gap", self.gap, "0 to 1000 m")?;
         check((0.0..=1e12).contains(&self.area_min), "glue", "area_min", self.area_min, "0 to 1e12 m²")
@@ -85,6 +90,10 @@ impl World {
             let _mode = FloatEnv::set_default();
             for &a in &slots {
                 pairs.extend(self.touching_faces(a, &slots, desc));
+                // Bodies that are all in one place touch in as many pairs as the square of their number.
+                if pairs.len() > limits::JOINTS_MAX {
+                    return Err(Error::Limit { what: "joints", limit: limits::JOINTS_MAX });
+                }
             }
         }
         let mut joints = Vec::with_capacity(pairs.len());

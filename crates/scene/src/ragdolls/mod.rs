@@ -1,21 +1,21 @@
-//! Ragdolls of a scene file: their bones, checked, the poses that drive them, and hands that hold bodies.
+//! Ragdolls of a scene file: their bones, checked, the poses that drive them, the ways they are led, and hands that hold bodies.
+
+mod acts;
+mod lead;
 
 use crate::bodies::{
-    Bearers, Census, Group, Names, Place, Target, Template, check_name, color, grid, masses, resolve_name,
+    Bearers, Census, Group, Place, Target, Template, check_name, color, grid, masses, resolve_name,
 };
 use crate::error::{Checked, Under, Wrong};
 use crate::joints::{JointNames, frame, stiffness};
 use crate::plan::Named;
 use crate::shapes::{Library, rotation, unknown};
-use crate::spec::{
-    BoneJointSpec, BoneSpec, GrabSpec, PoseSpec, RagdollPresetSpec, RagdollSpec, StiffnessSpec,
-};
-use jounce::limits::{BONES_MAX, FORCE_MAX};
-use jounce::math::{DVec3, Pose, Quat, Vec3};
-use jounce::{
-    BodyDesc, BodyKind, BoneDesc, BoneJoint, BoneJointKind, BonePose, PoseDrive, Ragdoll, RagdollDesc,
-    ShapeDesc, SpringDesc, World,
-};
+use crate::spec::{BoneJointSpec, BoneSpec, RagdollPresetSpec, RagdollSpec};
+pub(crate) use acts::{Bones, Hold, Posing, grab, held, pose, relax, release};
+use jounce::limits::BONES_MAX;
+use jounce::math::{DVec3, Pose, Vec3};
+use jounce::{BodyDesc, BoneDesc, BoneJoint, BoneJointKind, Ragdoll, RagdollDesc, ShapeDesc, World};
+pub(crate) use lead::{Leading, Led, is_led, lead, turn_between};
 use std::collections::BTreeMap;
 
 /// One entry: a ragdoll, or copies of it.
@@ -359,104 +359,4 @@ fn bone_joint(j: &BoneJointSpec, parent: usize) -> Checked<BoneJoint> {
         rest_spring: j.rest_spring.as_ref().map(stiffness).transpose().key("rest_spring")?,
         strength: torque(j.strength, 100.0, "strength")?,
     })
-}
-
-/// A pose to drive ragdolls to.
-#[derive(Clone, Debug)]
-pub(crate) struct Posing {
-    pub poses: Vec<BonePose>,
-    pub drive: PoseDrive,
-    pub strengths: Vec<f32>,
-}
-
-fn spring_or(s: Option<&StiffnessSpec>, otherwise: SpringDesc) -> Checked<SpringDesc> {
-    s.map_or(Ok(otherwise), stiffness).key("spring")
-}
-
-/// The action `pose`.
-pub(crate) fn pose(s: &PoseSpec, names: &RagdollNames, all: &[RagdollGroup]) -> Checked<(Target, Posing)> {
-    let target = names.resolve(&s.ragdoll).key("ragdoll")?;
-    let Some(g) = all.get(names.entry(&target)) else {
-        return Err(Wrong::new("there is no such ragdoll", "the name of a ragdoll").key("ragdoll"));
-    };
-    let strength = |v: Option<f32>| match v.unwrap_or(1.0) {
-        v if (0.0..=1e6).contains(&v) => Ok(v),
-        v => Err(Wrong::new(format!("is {v}"), "0 to 1e6").key("strength")),
-    };
-    let otherwise = PoseDrive::default();
-    let drive = PoseDrive {
-        spring: spring_or(s.spring.as_ref(), otherwise.spring)?,
-        strength: strength(s.strength)?,
-    };
-    let rest: Vec<Quat> = g.desc.rest_poses().iter().map(|p| p.q).collect();
-    let (mut turns, mut strengths) = (vec![Quat::IDENTITY; rest.len()], vec![1.0; rest.len()]);
-    for (name, b) in &s.bones.0 {
-        let known = g.desc.bones.iter().map(|o| o.name.as_str());
-        let Some(i) = g.desc.bone(name) else {
-            return Err(unknown("bone", name, known).key(name).key("bones"));
-        };
-        let told = |w: Wrong| w.key(name).key("bones");
-        turns[i] = rotation(b.rotation_deg, b.rotation).map_err(told)?;
-        strengths[i] = strength(b.strength).map_err(told)?;
-    }
-    let poses = g.desc.bones.iter().enumerate().map(|(i, b)| {
-        let parent = b.joint.as_ref().map_or(Quat::IDENTITY, |j| rest[j.parent]);
-        BonePose::at(parent.inverse_mul(turns[i] * rest[i]).normalize())
-    });
-    Ok((target, Posing { poses: poses.collect(), drive, strengths }))
-}
-
-/// A hand to be.
-#[derive(Clone, Debug)]
-pub(crate) struct Hold {
-    pub body: Target,
-    pub point: Vec3,
-    pub spring: SpringDesc,
-    pub max_force: f32,
-    /// The hand, as a group of bodies.
-    pub hand: Group,
-}
-
-/// The action `grab`, made so many times; the hand gets its name.
-pub(crate) fn grab(s: &GrabSpec, times: u64, census: &mut Census, names: &mut Names) -> Checked<Hold> {
-    let mut hand = BodyDesc::kinematic();
-    hand.name = Some(s.hand.clone());
-    let hand = Group {
-        name: Some(s.hand.clone()),
-        templates: vec![Template { desc: hand, color: None }],
-        places: vec![Place::HERE],
-        single: times == 1,
-    };
-    hand.names(times)
-        .and_then(|all| all.into_iter().try_for_each(|(n, b)| names.add(&n, b.of("hand"))))
-        .map_err(|w| w.renamed("hand"))?;
-    census.add(times, 0)?;
-    census.joints(times)?;
-    let p = s.point.unwrap_or([0.0; 3]);
-    if p.iter().any(|x| x.abs() > 1e6) {
-        return Err(Wrong::new(format!("is {p:?}"), "within ±1e6 m").key("point"));
-    }
-    let max_force = s.max_force.unwrap_or(f32::INFINITY);
-    if !(max_force > 0.0 && (max_force <= FORCE_MAX || s.max_force.is_none())) {
-        return Err(
-            Wrong::new(format!("is {max_force}"), format!("above 0, to {FORCE_MAX:e} N")).key("max_force")
-        );
-    }
-    Ok(Hold {
-        body: Target { name: String::new(), index: None, count: 0, all: 0, one: String::new() },
-        point: Vec3::from_array(p),
-        spring: spring_or(s.spring.as_ref(), SpringDesc::hertz(5.0, 1.0))?,
-        max_force,
-        hand,
-    })
-}
-
-/// Looks up whom a hand holds.
-pub(crate) fn held(s: &GrabSpec, names: &Names) -> Checked<Target> {
-    let target = names.resolve_only(&s.body, &[BodyKind::Dynamic], "a dynamic body").key("body")?;
-    if target.count > 1 {
-        let message = format!("names {} bodies", target.count);
-        return Err(Wrong::new(message, format!("one, such as {}", target.one)).key("body"));
-    }
-    Ok(target)
 }
