@@ -11,7 +11,8 @@ use crate::joints::{
 use crate::limits;
 use crate::movers::{CharacterValue, VehicleValue, of_characters, of_vehicles};
 use crate::ragdolls::{
-    Bones, Hold, Leading, Posing, RagdollGroup, RagdollNames, grab, held, lead, pose, ragdolls, relax, release,
+    Bones, Hold, Leading, Posing, RagdollGroup, RagdollNames, grab, held, lead, pose, ragdolls, relax,
+    release,
 };
 use crate::shapes::{Library, rotation, unknown};
 use crate::spec::{
@@ -546,7 +547,7 @@ pub(crate) enum Action {
     EnableVehicle(Target, bool),
     Drive { target: Target, input: VehicleInputSpec, duration: f64 },
     Walk(Target, Wish),
-    Pose(Target, Posing),
+    Pose(Posing),
     Relax(Bones),
     Lead(Arc<Leading>),
     Release(Bones),
@@ -812,7 +813,7 @@ fn action(
     }
     if let Some(p) = &t.pose {
         let (names, all) = sources.ragdolls;
-        return pose(p, names, all).map(|(t, p)| Action::Pose(t, p)).key("pose");
+        return pose(p, names, all).map(Action::Pose).key("pose");
     }
     if let Some(r) = &t.relax {
         let (names, all) = sources.ragdolls;

@@ -16,8 +16,8 @@ use crate::vehicles::{Chassis, Driver, VehicleGroup, VehicleRecords, input, towa
 use jounce::math::WorldPose;
 use jounce::tasks::Tasks;
 use jounce::{
-    BodyId, BodyKind, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, Ragdoll, StateHasher,
-    VehicleId, VehicleInput, World,
+    BodyId, BodyKind, Command, EmitterId, Event, FieldDesc, FieldId, FieldLaw, JointId, JointRef, Ragdoll,
+    StateHasher, VehicleId, VehicleInput, World,
 };
 use std::sync::Arc;
 use std::time::Instant;
@@ -693,9 +693,10 @@ impl Simulation {
                 }
                 Ok(())
             }
-            Action::Pose(target, p) => {
-                for doll in self.left_of(target) {
-                    p.put(&doll, &mut self.world).map_err(|e| self.refused(&e))?;
+            Action::Pose(p) => {
+                for doll in self.left_of(&p.target) {
+                    let Some(g) = self.scene.ragdolls.get(p.entry) else { continue };
+                    p.put(g, &doll, &mut self.world).map_err(|e| self.refused(&e))?;
                 }
                 Ok(())
             }
@@ -744,7 +745,7 @@ impl Simulation {
                 self.gone += 1;
                 continue;
             };
-            self.gone += way.led.iter().filter(|l| **l).count() - led.bones.len();
+            self.gone += led.lost;
             let bones: Vec<BodyId> = led.bones.iter().map(|b| b.1).collect();
             self.end_ways(&bones);
             bones.iter().try_for_each(|b| self.apply(Command::SetKind(*b, BodyKind::Kinematic)))?;
@@ -758,8 +759,8 @@ impl Simulation {
         let dolls = self.ragdolls.of(&bones.target).to_vec();
         self.gone += usize::from(dolls.is_empty());
         for doll in &dolls {
-            let some = doll.bodies.iter().zip(&bones.some).filter(|(_, some)| **some);
-            let some: Vec<BodyId> = some.map(|(b, _)| *b).collect();
+            let some = doll.bodies.iter().enumerate().filter(|(i, _)| bones.some.has(*i));
+            let some: Vec<BodyId> = some.map(|(_, b)| *b).collect();
             self.end_ways(&some);
             let there = self.there(&some, |w, b| w.body(b).is_ok());
             there.into_iter().try_for_each(|b| self.apply(Command::SetKind(b, BodyKind::Dynamic)))?;

@@ -18,13 +18,17 @@ const JACK: &str = r#""ragdolls": [{"name": "jack", "position": [0, 2, 0], "bone
      "joint": {"hinge": {"range_deg": [-80, 80]}, "on_parent": {}, "on_bone": {"position": [0, 0, 0.5]}}}]}],
   "probes": {"fore": {"joint": "jack.fore", "value": "coordinate_deg"}, "aft": {"joint": "jack.aft", "value": "coordinate_deg"},
     "trunk": {"body": "jack.trunk", "value": "position.y"}}"#;
+/// Yields by 0.4° under the weight of an arm, 20.5 N m.
+const STIFF: &str = r#""spring": {"stiffness": 3000, "damping": 100}"#;
 /// Holds the trunk where it is.
 const HELD: &str = r#"{"at": 0, "lead": {"ragdoll": "jack", "bones": ["trunk"], "keys": [{"at": 0.1}]}}"#;
 
 fn start_at(rate: u32, rest: &str) -> Simulation {
-    let text =
-        format!(r#"{{"jounce": 1, "step": {{"rate_hz": {rate}}}, "bodies": [{GROUND}], "seconds": 30, {rest}}}"#);
-    let scene = Scene::from_str(&text, "dolls.json", &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let text = format!(
+        r#"{{"jounce": 1, "step": {{"rate_hz": {rate}}}, "bodies": [{GROUND}], "seconds": 30, {rest}}}"#
+    );
+    let scene =
+        Scene::from_str(&text, "dolls.json", &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     Simulation::new(&scene, Tasks::serial()).unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -58,27 +62,27 @@ fn gap(s: &Simulation, doll: &str) -> f64 {
 }
 
 /// What a joint does that turns freely: its damping pulls at the velocity, its spring back to the pose. They are even where it is ahead by
-/// c ω / k = 2 ζ ω / ω₀.
+/// c ω / k.
 #[test]
 fn a_pose_is_matched_in_velocity_too() {
-    let ahead = 2.0 * 1.5 / (core::f64::consts::TAU * 8.0);
+    let ahead = 100.0 / 3000.0 * 1.5;
     for (spin, expected) in [("", 0.0), (r#""angular_velocity": [1.5, 0, 0]"#, ahead)] {
         let mut s = start(&format!(
             r#""gravity": [0, 0, 0], {JACK}, "timeline": [{HELD},
-            {{"at": 0, "pose": {{"ragdoll": "jack", "bones": {{"fore": {{{spin}}}}}}}}}]"#
+            {{"at": 0, "pose": {{"ragdoll": "jack", {STIFF}, "bones": {{"fore": {{{spin}}}}}}}}}]"#
         ));
         run(&mut s, 3.0);
         let [fore, aft] = ["fore", "aft"].map(|p| value(&s, p).to_radians());
-        // A thousandth of a radian: rounding of angles, and what is left after 3 s of a critically damped 8 Hz is nothing.
-        assert!((fore - expected).abs() < 1e-3 && aft.abs() < 1e-3, "{fore} for {expected}, {aft}");
+        // The spring is that of a substep: within what the bone would turn in one.
+        assert!((fore - expected).abs() < 1.5 / 240.0 && aft.abs() < 1e-3, "{fore} for {expected}, {aft}");
     }
 }
 
 /// Both arms are raised by 30°; then one alone is asked to rest, and the other does as `others` says.
 #[test]
 fn the_others_of_a_pose_rest_go_limp_or_keep_on() {
-    // Weight hangs on the spring, by m g l / (m l² ω₀²) = g / (l ω₀²) = 0.45°, and less where it is raised; twice that is allowed.
-    let (up, near) = (30.0, 0.9);
+    // Twice what the spring yields.
+    let (up, near) = (30.0, 0.8);
     for (others, low, high) in [
         ("", -near, near),
         (r#""others": "rest","#, -near, near),
@@ -88,8 +92,8 @@ fn the_others_of_a_pose_rest_go_limp_or_keep_on() {
     ] {
         let mut s = start(&format!(
             r#"{JACK}, "timeline": [{HELD},
-            {{"at": 0, "pose": {{"ragdoll": "jack", "bones": {{"fore": {{"rotation_deg": [-30, 0, 0]}}, "aft": {{"rotation_deg": [30, 0, 0]}}}}}}}},
-            {{"at": 2, "pose": {{"ragdoll": "jack", {others} "bones": {{"fore": {{}}}}}}}}]"#
+            {{"at": 0, "pose": {{"ragdoll": "jack", {STIFF}, "bones": {{"fore": {{"rotation_deg": [-30, 0, 0]}}, "aft": {{"rotation_deg": [30, 0, 0]}}}}}}}},
+            {{"at": 2, "pose": {{"ragdoll": "jack", {STIFF}, {others} "bones": {{"fore": {{}}}}}}}}]"#
         ));
         run(&mut s, 2.0);
         let [fore, aft] = ["fore", "aft"].map(|p| value(&s, p));
@@ -103,12 +107,12 @@ fn the_others_of_a_pose_rest_go_limp_or_keep_on() {
 #[test]
 fn some_bones_go_limp() {
     let mut s = start(&format!(
-        r#"{JACK}, "timeline": [{HELD}, {{"at": 0, "pose": {{"ragdoll": "jack"}}}},
+        r#"{JACK}, "timeline": [{HELD}, {{"at": 0, "pose": {{"ragdoll": "jack", {STIFF}}}}},
         {{"at": 1, "relax": {{"ragdoll": "jack", "bones": ["aft"]}}}}]"#
     ));
     run(&mut s, 6.0);
     let [fore, aft] = ["fore", "aft"].map(|p| value(&s, p));
-    assert!(fore.abs() < 0.9 && aft < -75.0, "{fore} {aft}");
+    assert!(fore.abs() < 0.8 && aft.abs() > 75.0, "{fore} {aft}");
 }
 
 /// A doll falls in a heap, is led up, along, round, and let go.
@@ -140,7 +144,8 @@ fn a_doll_gets_up_where_it_lies() {
             let [pelvis, head] = ["doll.pelvis", "doll.head"].map(|b| at(&s, b));
             let up = DVec3::new(lying.x, 0.932087, lying.z);
             assert!((pelvis - up).length() < 1e-5, "{pelvis:?} {up:?}");
-            assert!((head.y - 1.653348).abs() < 1e-4 && (head.x - lying.x).abs() < 1e-4, "{head:?}");
+            // The preset's head is over its pelvis, 5 mm lower than in its table: anchors were pulled together.
+            assert!((head.y - 1.6484).abs() < 1e-3 && (head.x - lying.x).abs() < 1e-4, "{head:?}");
         }
     }
     assert!(most < left + 1e-4, "{most} m, {left} m at the start");
@@ -191,6 +196,7 @@ fn a_part_is_led_and_the_rest_hangs_on_it() {
         r#""ragdolls": [{"name": "doll", "preset": "human", "position": [0, 1, 0], "repeat": {"count": 2, "step": [3, 0, 0]}}],
         "timeline": [{"at": 0, "lead": {"ragdoll": "doll", "bones": ["lower_arm_l"], "keys": [{"at": 1, "position": [0, 2, 0]}]}},
           {"at": 2, "lead": {"ragdoll": "doll[1]", "bones": ["lower_arm_l"], "keys": [{"at": 9, "position": [0, 20, 0]}]}},
+          {"at": 2.5, "lead": {"ragdoll": "doll[1]", "bones": ["lower_arm_l"], "keys": [{"at": 0.25, "position": [0, 3, 0]}]}},
           {"at": 3, "release": {"ragdoll": "doll[1]"}}]"#,
     );
     let arms = |s: &Simulation| [0, 1].map(|n| at(s, &format!("doll.lower_arm_l[{n}]")));
@@ -205,8 +211,12 @@ fn a_part_is_led_and_the_rest_hangs_on_it() {
         assert!(pelvis.y < b.y && pelvis.y > b.y - 1.5, "{n}: {pelvis:?} {b:?}");
     }
     assert!(gap(&s, "doll") < 0.01, "{}", gap(&s, "doll"));
-    run(&mut s, 4.0);
-    // One hangs, the other was let go on its way.
+    run(&mut s, 0.9);
+    // A later way ends the one before, which would go on for long.
+    let [_, b] = arms(&s);
+    assert!((b - begun[1] - DVec3::Y * 2.0).length() < 1e-5, "{b:?}");
+    run(&mut s, 3.1);
+    // One hangs, the other was let go.
     let [a, b] = arms(&s);
     assert!((a - begun[0] - DVec3::Y).length() < 1e-5 && b.y < 1.0, "{a:?} {b:?}");
 }

@@ -7,7 +7,7 @@ use crate::joints::stiffness;
 use crate::limits::SPIN_POSED_MAX;
 use crate::plan::bounded;
 use crate::shapes::{rotation, unknown};
-use crate::spec::{BonesSpec, GrabSpec, OthersSpec, PoseSpec, StiffnessSpec};
+use crate::spec::{BonePoseSpec, BonesSpec, GrabSpec, OthersSpec, PoseSpec, StiffnessSpec};
 use jounce::limits::FORCE_MAX;
 use jounce::math::{Quat, Vec3};
 use jounce::{BodyDesc, BodyKind, BonePose, PoseDrive, Ragdoll, Result, SpringDesc, World};
@@ -15,27 +15,46 @@ use jounce::{BodyDesc, BodyKind, BonePose, PoseDrive, Ragdoll, Result, SpringDes
 /// A pose to drive ragdolls to.
 #[derive(Clone, Debug)]
 pub(crate) struct Posing {
-    poses: Vec<BonePose>,
+    pub target: Target,
+    /// Which of the scene's entries the ragdolls are of.
+    pub entry: usize,
     drive: PoseDrive,
-    strengths: Vec<f32>,
-    /// Is each bone named?
-    named: Vec<bool>,
+    bones: Vec<BoneAim>,
     others: OthersSpec,
+}
+
+/// Where a bone is to be, and how fast, about the ragdoll's axes at rest; with a factor on the strength.
+#[derive(Clone, Copy, Debug)]
+struct BoneAim {
+    bone: usize,
+    turn: Quat,
+    spin: Vec3,
+    strength: f32,
 }
 
 impl Posing {
     /// Drives a ragdoll, or a part of it.
-    pub(crate) fn put(&self, doll: &Ragdoll, world: &mut World) -> Result<()> {
-        let drive = |doll: &Ragdoll, world: &mut World| {
-            doll.drive(world, &self.poses, &self.drive, &self.strengths)
+    pub(crate) fn put(&self, g: &RagdollGroup, doll: &Ragdoll, world: &mut World) -> Result<()> {
+        let rest: Vec<Quat> = g.desc.rest_poses().iter().map(|p| p.q).collect();
+        let mut aims: Vec<BoneAim> = (0..rest.len())
+            .map(|bone| BoneAim { bone, turn: Quat::IDENTITY, spin: Vec3::ZERO, strength: 1.0 })
+            .collect();
+        let mut named = vec![self.others == OthersSpec::Rest; rest.len()];
+        for aim in &self.bones {
+            (aims[aim.bone], named[aim.bone]) = (*aim, true);
+        }
+        let pose = |aim: &BoneAim| {
+            let joint = g.desc.bones[aim.bone].joint.as_ref();
+            let parent = joint.map_or(Quat::IDENTITY, |j| rest[j.parent]);
+            let rotation = parent.inverse_mul(aim.turn * rest[aim.bone]).normalize();
+            BonePose { rotation, velocity: parent.inverse_rotate(aim.spin) }
         };
-        if self.others == OthersSpec::Rest {
-            return drive(doll, world);
-        }
+        let poses: Vec<BonePose> = aims.iter().map(pose).collect();
+        let strengths: Vec<f32> = aims.iter().map(|a| a.strength).collect();
         if self.others == OthersSpec::Limp {
-            part(doll, |i| !self.named[i]).relax(world)?;
+            part(doll, |i| !named[i]).relax(world)?;
         }
-        drive(&part(doll, |i| self.named[i]), world)
+        part(doll, |i| named[i]).drive(world, &poses, &self.drive, &strengths)
     }
 }
 
@@ -81,35 +100,45 @@ fn find_hanging(name: &str, g: &RagdollGroup) -> Checked<usize> {
     Ok(i)
 }
 
-/// Some bones, or all where there is no list.
+/// Some bones, in order, or all where there is no list.
+#[derive(Clone, Debug)]
+pub(crate) struct BoneList(Option<Vec<usize>>);
+
+impl BoneList {
+    pub(crate) fn has(&self, bone: usize) -> bool {
+        self.0.as_ref().is_none_or(|some| some.binary_search(&bone).is_ok())
+    }
+}
+
+/// Looks up the bones of a list.
 pub(super) fn some_bones(
     list: Option<&Vec<String>>,
     g: &RagdollGroup,
     find: fn(&str, &RagdollGroup) -> Checked<usize>,
-) -> Checked<Vec<bool>> {
-    let Some(list) = list else { return Ok(vec![true; g.bones()]) };
+) -> Checked<BoneList> {
+    let Some(list) = list else { return Ok(BoneList(None)) };
     if list.is_empty() {
         return Err(Wrong::new("is empty", "names of bones; without `bones` all are meant").key("bones"));
     }
-    let mut some = vec![false; g.bones()];
+    let mut some = Vec::with_capacity(list.len());
     for (n, name) in list.iter().enumerate() {
-        some[find(name, g).index(n).key("bones")?] = true;
+        some.push(find(name, g).index(n).key("bones")?);
     }
-    Ok(some)
+    some.sort_unstable();
+    Ok(BoneList(Some(some)))
 }
 
 /// Bones of ragdolls.
 #[derive(Clone, Debug)]
 pub(crate) struct Bones {
     pub target: Target,
-    /// Is each bone meant?
-    pub some: Vec<bool>,
+    pub some: BoneList,
 }
 
 impl Bones {
     /// Lets them go limp.
     pub(crate) fn relax(&self, doll: &Ragdoll, world: &mut World) -> Result<()> {
-        part(doll, |i| self.some[i]).relax(world)
+        part(doll, |i| self.some.has(i)).relax(world)
     }
 }
 
@@ -126,8 +155,8 @@ pub(crate) fn release(s: &BonesSpec, names: &RagdollNames, all: &[RagdollGroup])
 }
 
 /// The action `pose`.
-pub(crate) fn pose(s: &PoseSpec, names: &RagdollNames, all: &[RagdollGroup]) -> Checked<(Target, Posing)> {
-    let (target, _, g) = find(&s.ragdoll, names, all)?;
+pub(crate) fn pose(s: &PoseSpec, names: &RagdollNames, all: &[RagdollGroup]) -> Checked<Posing> {
+    let (target, entry, g) = find(&s.ragdoll, names, all)?;
     let strength = |v: Option<f32>| match v.unwrap_or(1.0) {
         v if (0.0..=1e6).contains(&v) => Ok(v),
         v => Err(Wrong::new(format!("is {v}"), "0 to 1e6").key("strength")),
@@ -142,27 +171,17 @@ pub(crate) fn pose(s: &PoseSpec, names: &RagdollNames, all: &[RagdollGroup]) -> 
         let expected = "`bones` beside it: those that are driven";
         return Err(Wrong::new("is given, and no bone is driven", expected).key("others"));
     }
-    let rest: Vec<Quat> = g.desc.rest_poses().iter().map(|p| p.q).collect();
-    let n = rest.len();
-    let (mut turns, mut spins) = (vec![Quat::IDENTITY; n], vec![Vec3::ZERO; n]);
-    let (mut strengths, mut named) = (vec![1.0; n], vec![false; n]);
-    for (name, b) in &s.bones.0 {
-        let told = |w: Wrong| w.key(name).key("bones");
-        let i = find_hanging(name, g).map_err(told)?;
-        turns[i] = rotation(b.rotation_deg, b.rotation).map_err(told)?;
-        strengths[i] = strength(b.strength).map_err(told)?;
+    let aim = |name: &str, b: &BonePoseSpec| {
         let spin = b.angular_velocity.map_or(Ok(Vec3::ZERO), |w| bounded(w, SPIN_POSED_MAX, "rad/s"));
-        spins[i] = spin.key("angular_velocity").map_err(told)?;
-        named[i] = true;
-    }
-    let poses = g.desc.bones.iter().enumerate().map(|(i, b)| {
-        let parent = b.joint.as_ref().map_or(Quat::IDENTITY, |j| rest[j.parent]);
-        BonePose {
-            rotation: parent.inverse_mul(turns[i] * rest[i]).normalize(),
-            velocity: parent.inverse_rotate(spins[i]),
-        }
-    });
-    Ok((target, Posing { poses: poses.collect(), drive, strengths, named, others }))
+        Ok(BoneAim {
+            bone: find_hanging(name, g)?,
+            turn: rotation(b.rotation_deg, b.rotation)?,
+            spin: spin.key("angular_velocity")?,
+            strength: strength(b.strength)?,
+        })
+    };
+    let bones = s.bones.0.iter().map(|(name, b)| aim(name, b).key(name).key("bones"));
+    Ok(Posing { target, entry, drive, bones: bones.collect::<Checked<_>>()?, others })
 }
 
 /// A hand to be.

@@ -4,7 +4,7 @@
 //! at a constant rate and roots straight; the anchors of every joint meet, so limbs keep their lengths. On the way from where physics
 //! left the bones, what their anchors gaped there is taken back evenly: both ends are exact.
 
-use super::acts::{find, find_bone, some_bones};
+use super::acts::{BoneList, find, find_bone, some_bones};
 use super::{RagdollGroup, RagdollNames};
 use crate::bodies::Target;
 use crate::error::{Checked, Under, Wrong};
@@ -21,8 +21,7 @@ pub(crate) struct Leading {
     pub target: Target,
     /// Which of the scene's entries the ragdolls are of.
     pub entry: usize,
-    /// Is each bone led?
-    pub led: Vec<bool>,
+    led: BoneList,
     here: bool,
     keys: Vec<Key>,
 }
@@ -172,6 +171,8 @@ pub(crate) struct Led {
     /// Steps to each key.
     steps: Vec<u64>,
     from: Figure,
+    /// How many of those that are meant are gone.
+    pub lost: usize,
     /// Where the first bone was, with `here`.
     root: Option<DVec3>,
     /// How far each bone was from where its anchors meet, m.
@@ -190,7 +191,9 @@ impl Led {
         let there: Vec<Option<WorldPose>> =
             doll.bodies.iter().map(|b| world.body(*b).ok().map(|b| b.pose())).collect();
         let mut bones: Vec<(usize, BodyId)> = doll.bodies.iter().copied().enumerate().collect();
-        bones.retain(|(i, _)| way.led[*i] && there[*i].is_some());
+        bones.retain(|(i, _)| way.led.has(*i));
+        let meant = bones.len();
+        bones.retain(|(i, _)| there[*i].is_some());
         if bones.is_empty() || (way.here && there[0].is_none()) {
             return None;
         }
@@ -204,7 +207,18 @@ impl Led {
         let gaps = there.iter().zip(&hung).map(gap).collect();
         let steps: Vec<u64> = way.keys.iter().map(|k| step_at(k.at, rate_hz).max(1)).collect();
         let until = now + steps.last().copied().unwrap_or(1);
-        Some(Self { way: Arc::clone(way), copy, bones, from_step: now, until, steps, from, root, gaps })
+        Some(Self {
+            way: Arc::clone(way),
+            copy,
+            lost: meant - bones.len(),
+            bones,
+            from_step: now,
+            until,
+            steps,
+            from,
+            root,
+            gaps,
+        })
     }
 
     /// Which of the scene's entries it is of.
