@@ -221,6 +221,24 @@ fn a_part_is_led_and_the_rest_hangs_on_it() {
     assert!((a - begun[0] - DVec3::Y).length() < 1e-5 && b.y < 1.0, "{a:?} {b:?}");
 }
 
+/// A way that is broken off is gone on with: what was led keeps its speed.
+#[test]
+fn what_is_released_on_its_way_flies_on() {
+    let mut s = start(
+        r#""ragdolls": [{"name": "doll", "preset": "human", "position": [0, 5, 0]}],
+        "timeline": [{"at": 0, "lead": {"ragdoll": "doll", "keys": [{"at": 2, "position": [8, 5, 0]}]}},
+          {"at": 1, "release": {"ragdoll": "doll"}}],
+        "probes": {"fastest": {"body": "doll", "value": "speed", "aggregate": "max"}}"#,
+    );
+    run(&mut s, 1.0);
+    assert!((at(&s, "doll.pelvis").x - 4.0).abs() < 1e-5, "{:?}", at(&s, "doll.pelvis"));
+    s.step().expect("steps");
+    // 4 m/s of the way; a step of gravity is 0.16 m/s, across it, and what the springs of the joints add.
+    assert!((value(&s, "fastest") - 4.0).abs() < 0.5, "{}", value(&s, "fastest"));
+    run(&mut s, 0.5);
+    assert!((at(&s, "doll.pelvis").x - 6.0).abs() < 0.2, "{:?}", at(&s, "doll.pelvis"));
+}
+
 #[test]
 fn lost_bones_are_left_out_and_told_once() {
     let mut s = start(

@@ -70,7 +70,7 @@ pub struct TimelineSpec {
     pub relax: Option<BonesSpec>,
     /// Leads bones of ragdolls along an animation.
     pub lead: Option<Box<LeadSpec>>,
-    /// Gives bones that were led back: they are dynamic again, and at rest.
+    /// Gives bones that were led back: they are dynamic again, with the speed that they have on their way.
     pub release: Option<BonesSpec>,
     /// Takes hold of a body.
     pub grab: Option<Box<GrabSpec>>,
