@@ -196,6 +196,19 @@ pub trait Kernel {
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
+/// f of 0, 1 and 2. What `[0, 1, 2].map(f)` gives; but that is a call where the compiler thinks it is large, and then its lanes go through
+/// memory.
+#[inline(always)]
+pub fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
+/// f of 0 to 5, like [`three`].
+#[inline(always)]
+pub fn six<T>(f: impl Fn(usize) -> T) -> [T; 6] {
+    [f(0), f(1), f(2), f(3), f(4), f(5)]
+}
+
 /// Runs `kernel` in lanes of `width`, or of the next narrower width that this machine has instructions for: a kernel walks its data
 /// by [`Lanes::WIDTH`], so it is complete at any. (Wide arrays in place of missing instructions are slower than narrow ones, and
 /// every width that is compiled in costs as much compile time as all the others.)

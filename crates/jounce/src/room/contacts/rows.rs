@@ -3,7 +3,7 @@
 //! The layout does not depend on the width of the kernels: a kernel of 1, 4, 8 or 16 lanes walks the same block in
 //! 16, 4, 2 or 1 steps. Rows of a block touch disjoint bodies. Lanes without a row are zero throughout and change nothing.
 
-use jounce_lanes::Lanes;
+use jounce_lanes::{Lanes, six};
 use jounce_math::Vec3;
 
 /// Rows of a block.
@@ -76,7 +76,7 @@ impl<L: Lanes> Wide3<L> {
     /// T v for a symmetric tensor stored xx, yy, zz, xy, xz, yz.
     #[inline(always)]
     pub fn times(self, t: &[Lane; 6], at: usize) -> Self {
-        let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(
+        let [xx, yy, zz, xy, xz, yz] = six(
             #[inline(always)]
             |i: usize| L::load(&t[i][at..]),
         );

@@ -350,8 +350,8 @@ fn rebound_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: 
     let wanted = friction_impulse(block, at, u, n, L::load(&block.mu[at..]) * total);
     // Lanes that did not bounce keep theirs: a row must not depend on its neighbours.
     let bounced = added.gt(L::zero()) | added.lt(L::zero());
-    let old = [0, 1].map(|i| L::load(&block.friction_impulse[i][at..]));
-    let new = [0, 1].map(|i| L::select(bounced, wanted[i], old[i]));
+    let old = [L::load(&block.friction_impulse[0][at..]), L::load(&block.friction_impulse[1][at..])];
+    let new = [L::select(bounced, wanted[0], old[0]), L::select(bounced, wanted[1], old[1])];
     for i in 0..2 {
         (L::load(&block.friction_total[i][at..]) + (new[i] - old[i]))
             .store(&mut block.friction_total[i][at..]);

@@ -1,7 +1,7 @@
 //! Rotations, symmetric matrices and angles in lanes.
 
 use crate::room::contacts::rows::{Lane, Wide3};
-use jounce_lanes::Lanes;
+use jounce_lanes::{Lanes, six};
 
 /// A rotation per lane.
 #[derive(Clone, Copy)]
@@ -154,7 +154,7 @@ pub(crate) struct Sym<L> {
 impl<L: Lanes> Sym<L> {
     #[inline(always)]
     pub fn load(t: &[Lane; 6], at: usize) -> Self {
-        let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(
+        let [xx, yy, zz, xy, xz, yz] = six(
             #[inline(always)]
             |i: usize| L::load(&t[i][at..]),
         );

@@ -11,7 +11,7 @@ use crate::room::joints::lanes::{
 use crate::room::joints::set::Constants;
 use crate::room::joints::solve::TOUCH;
 use crate::room::rigid::state::BodyState;
-use jounce_lanes::{Kernel, Lanes, Mask};
+use jounce_lanes::{Kernel, Lanes, Mask, three};
 
 /// Velocities and places of the bodies, and inertia as it is now. What contacts and forces changed came through the inertia of the
 /// step's start: as momentum, I₀ Δω, it is taken over (see `room/rigid/solve.rs`).
@@ -124,7 +124,7 @@ impl Kernel for Stiffen<'_> {
                 let mut added = own.scale(zero);
                 for &(j, is_a) in &pattern.at_body[body] {
                     let j = &joints[j as usize];
-                    let [x, y, z] = [0, 1, 2].map(
+                    let [x, y, z] = three(
                         #[inline(always)]
                         |i: usize| L::load(&j.rows[i].lambda[at..]),
                     );
@@ -559,7 +559,7 @@ impl<L: Lanes> Pair<L> {
     /// The spring towards a rotation: λ = −M (a C + b (ω − ω₀)), C the rotation vector that is left.
     #[inline(always)]
     fn pull(&self, j: &JointLanes, at: usize, hinge: bool) -> Wide3<L> {
-        let [a, b, max] = [0, 1, 2].map(
+        let [a, b, max] = three(
             #[inline(always)]
             |i: usize| L::load(&j.pull[i][at..]),
         );
@@ -866,7 +866,7 @@ impl Kernel for Account<'_> {
         let Band { pattern, bodies, joints, any_pull, any_drive, .. } = self.band;
         for (link, j) in pattern.joints.iter().zip(joints) {
             for at in (0..LANES).step_by(L::WIDTH) {
-                let [x, y, z] = [0, 1, 2].map(
+                let [x, y, z] = three(
                     #[inline(always)]
                     |i: usize| L::load(&j.rows[i].lambda[at..]),
                 );

@@ -7,7 +7,7 @@
 use super::{Band, ROWS};
 use crate::room::contacts::rows::{LANES, Lane};
 use crate::room::joints::lanes::inverse;
-use jounce_lanes::{Kernel, Lanes};
+use jounce_lanes::{Kernel, Lanes, three};
 
 /// A pivot below this part of its diagonal belongs to a row that others make superfluous.
 const PIVOT_MIN: f32 = 1e-6;
@@ -47,21 +47,21 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
         for c in 0..columns {
             let row = &jk.rows[c];
             let inv = if m.k_is_a { &row.ia } else { &row.ib };
-            let mut inv = [0, 1, 2].map(
+            let mut inv = three(
                 #[inline(always)]
                 |x: usize| L::load(&inv.0[x][at..]),
             );
             if c >= first_end {
                 let acts = L::load(&row.acts[at..]);
-                inv = inv.map(
+                inv = three(
                     #[inline(always)]
-                    |x| x * acts,
+                    |x| inv[x] * acts,
                 );
             }
             // Diagonal blocks: the lower half.
             for r in if i == k { c } else { 0 }..rows {
                 let j = if m.i_is_a { &ji.rows[r].ja } else { &ji.rows[r].jb };
-                let j = [0, 1, 2].map(
+                let j = three(
                     #[inline(always)]
                     |x: usize| L::load(&j.0[x][at..]),
                 );

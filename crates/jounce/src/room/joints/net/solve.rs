@@ -9,7 +9,7 @@ use crate::room::joints::lanes::{Sym, WideQuat, bounded, clamped, inverse};
 use crate::room::joints::set::CALMING;
 use crate::room::rigid::state::BodyState;
 use core::ops::Range;
-use jounce_lanes::{Kernel, Lanes, Mask, Width, dispatch};
+use jounce_lanes::{Kernel, Lanes, Mask, Width, dispatch, three};
 use jounce_tasks::Scatter;
 
 /// Which pass of the substep.
@@ -137,7 +137,7 @@ impl<L: Lanes> Pair<L> {
             |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
         );
         if matches!(pass, Pass::Relax | Pass::Last) {
-            Self::follow(block, at, access, g, [a, b].map(|x| [x[6], x[7]]));
+            Self::follow(block, at, access, g, [[a[6], a[7]], [b[6], b[7]]]);
         }
         let now = &block.now;
         Self {
@@ -362,7 +362,7 @@ impl<L: Lanes> Pair<L> {
     /// The spring towards a rotation.
     #[inline(always)]
     fn pull(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants) {
-        let [a, b, max] = [0, 1, 2].map(
+        let [a, b, max] = three(
             #[inline(always)]
             |i: usize| L::load(&block.pull[i][at..]),
         );
