@@ -67,6 +67,8 @@ pub struct PairCache {
     pub features: [u32; 2],
     /// 0: empty.
     pub kind: u32,
+    /// Of shapes that were farther apart than asked for: how far at least, m; 0 where that is not known, and where they met.
+    pub gap: f32,
 }
 
 /// Manifolds of one pair, with scratch memory that is reused from pair to pair.

@@ -51,7 +51,10 @@ impl World {
             }
             C::SetLocks(b, l) => self.do_set_locks(b, l)?,
             C::SetMass(b, m) => self.do_set_mass(b, m)?,
-            C::SetBullet(b, on) => self.edit_body(b, false, |body| body.bullet = on)?,
+            C::SetBullet(b, on) => {
+                self.edit_body(b, false, |body| body.bullet = on)?;
+                self.forget_tests(b.index);
+            }
             C::SetCanSleep(b, on) => self.edit_body(b, !on, |body| body.can_sleep = on)?,
             C::SetUserData(b, u) => self.edit_body(b, false, |body| body.user_data = u)?,
             C::SetName(b, n) => {
@@ -107,6 +110,8 @@ impl World {
                 s.check()?;
                 self.settings = *s;
                 self.wake_all();
+                // How far ahead they look may be another now.
+                self.contacts.iter_mut().for_each(|c| c.tested = false);
             }
         }
         Ok(Output::Done)
@@ -252,7 +257,7 @@ impl World {
         self.shapes.remove(slot);
     }
 
-    fn do_teleport(&mut self, b: BodyId, p: DVec3, q: Quat) -> Result<()> {
+    pub(crate) fn do_teleport(&mut self, b: BodyId, p: DVec3, q: Quat) -> Result<()> {
         let slot = self.slot(b)?;
         desc::check_position(p)?;
         desc::check_rotation(q)?;

@@ -237,6 +237,7 @@ fn hash_contact(h: &mut StateHasher, c: &Contact) {
     h.pair(c.shape_a, c.shape_b);
     h.pair(c.id, u32::from(c.touching) | (u32::from(c.tested) << 1));
     h.pose(&c.tested_pose);
+    h.floats(c.spare, 0.0);
     c.tested_rotations.into_iter().for_each(|q| h.quat(q));
     for m in c.manifolds() {
         h.vec3(m.normal);

@@ -71,7 +71,7 @@ fn cores(
         w.pose.p = pose.p + motion * t;
         let (d, pa, pb, n) = match w.gjk(axis, f32::MAX) {
             Gjk::Apart { distance, a, b, normal } if distance > r => (distance - r, a, b, normal),
-            Gjk::Far(_) => return None,
+            Gjk::Far(..) => return None,
             _ => {
                 let (p, n) = last.unwrap_or_else(|| push_out((a, ra), (b, rb), &w.pose));
                 return hit(t, p, n);

@@ -51,7 +51,7 @@ pub(super) fn cores((a, ra): (Core, f32), (b, rb): (Core, f32), pose: &Pose, max
         Some(Distance { distance, point_a, point_b, normal, sub_a: NO_SUB, sub_b: NO_SUB })
     };
     match w.gjk(Vec3::ZERO, reach) {
-        Gjk::Far(_) => None,
+        Gjk::Far(..) => None,
         Gjk::Apart { distance, a, b, normal } => {
             let d = distance - ra - rb;
             if d > 0.0 {

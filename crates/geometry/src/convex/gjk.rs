@@ -34,8 +34,8 @@ pub(crate) struct Simplex {
 /// What GJK found.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Gjk {
-    /// Farther apart than asked for; the direction A to B separates them.
-    Far(Vec3),
+    /// Farther apart than asked for: the direction A to B that separates them, and by how much at least.
+    Far(Vec3, f32),
     /// Apart, with the closest points and the unit direction from A to B.
     Apart { distance: f32, a: Vec3, b: Vec3, normal: Vec3 },
     /// The cores touch or overlap; the simplex holds the origin (or is degenerate beside it).
@@ -64,7 +64,13 @@ impl Difference<'_> {
     pub fn gjk(&self, axis: Vec3, max_distance: f32) -> Gjk {
         let mut s = Simplex::default();
         let start = if axis.length_squared() > 0.0 { axis } else { self.pose.p };
-        let first = self.support(start.normalize_or(Vec3::X));
+        let start = start.normalize_or(Vec3::X);
+        let first = self.support(start);
+        // Last time's direction most likely separates them still.
+        let gap = -start.as_dvec3().dot(first.w);
+        if gap > f64::from(max_distance) {
+            return Gjk::Far(start, gap as f32);
+        }
         s.vertices[0] = first;
         s.weights[0] = 1.0;
         s.count = 1;
@@ -81,7 +87,7 @@ impl Difference<'_> {
             let p = self.support(-(v / length).as_vec3());
             let vw = v.dot(p.w);
             if vw > f64::from(max_distance) * length {
-                return Gjk::Far(-(v / length).as_vec3());
+                return Gjk::Far(-(v / length).as_vec3(), (vw / length) as f32);
             }
             let reach = p.w.length();
             size = if reach > size { reach } else { size };
@@ -112,7 +118,7 @@ impl Simplex {
         let length = v.length();
         let Some((n, _)) = (-v).try_normalize() else { return Gjk::Overlap(*self) };
         if length > f64::from(max_distance) {
-            return Gjk::Far(n.as_vec3());
+            return Gjk::Far(n.as_vec3(), length as f32);
         }
         let (mut a, mut b) = (DVec3::ZERO, DVec3::ZERO);
         for i in 0..self.count {

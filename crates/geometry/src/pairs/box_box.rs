@@ -35,10 +35,12 @@ pub(crate) fn box_box(
     let abs = Mat3::from_columns(r.cx.abs(), r.cy.abs(), r.cz.abs());
     let gap_a = p.abs() - ha - abs * hb;
     if gap_a.max_component() > margin {
+        cache.gap = gap_a.max_component();
         return None;
     }
     let gap_b = pb.abs() - hb - abs.transpose_mul(ha);
     if gap_b.max_component() > margin {
+        cache.gap = gap_b.max_component();
         return None;
     }
     let tolerance = f32s::min(1e-3 * f32s::min(ha.min_component(), hb.min_component()), 5e-4);

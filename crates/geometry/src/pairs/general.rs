@@ -58,15 +58,14 @@ pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut
         if x.gap <= 0.0 || x.gap > reach {
             cache.axis = x.normal;
             if x.gap > reach {
-                cache.kind = 0;
+                (cache.kind, cache.gap) = (0, x.gap - a.radius - b.radius);
             }
             return (x.gap <= reach).then_some(x);
         }
     }
     let found = match w.gjk(cache.axis, reach) {
-        Gjk::Far(normal) => {
-            cache.axis = normal;
-            cache.kind = 0;
+        Gjk::Far(normal, gap) => {
+            (cache.axis, cache.kind, cache.gap) = (normal, 0, gap - a.radius - b.radius);
             return None;
         }
         Gjk::Apart { distance, a: pa, b: pb, normal } if distance > 1e-3 * (a.radius + b.radius) => {

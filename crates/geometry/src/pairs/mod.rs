@@ -69,6 +69,7 @@ pub fn collide(
     out: &mut ManifoldSet,
 ) {
     out.clear();
+    cache.gap = 0.0;
     if !b_in_a.is_finite() {
         return;
     }

@@ -63,7 +63,8 @@ const SWEEPS: usize = 8;
 const QUIET: f32 = 1e-4;
 /// Turn of a body since the matrix of its set was made that makes another, rad.
 const TURNED: f32 = 0.02;
-/// Part of a body's own inverse mass that it has at least: what is less is rounding.
+/// Part of the bodies' own inverse mass below which the welds alone hold a point, as those on fixed ground do: what they leave of it is rounding, and
+/// through that a contact would take thousands of newtons that move nothing, and break what is to break. It has the bodies' own then.
 const LEAST: f64 = 1e-5;
 /// Points times bodies that contacts touch, and times joints: beyond that a set's contacts are solved as others are.
 const RESPONSES: usize = 4096;
@@ -163,15 +164,15 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
         }
         let block = &blocks[r.color][r.block];
         for (k, p) in r.points.iter_mut().enumerate().take(r.count) {
-            let mut inverse = 0.0;
+            let (mut inverse, mut apart) = (0.0, 0.0);
             for (i, side) in r.sides.iter().enumerate() {
                 let g = row_of(block, r.lane, k, i);
                 if let Some(set) = sets.get_mut(side.set as usize) {
                     if set.firm.stale {
                         p.alone[i] = set.respond(side.first + k, side.place, &g);
                     }
-                    let all = dot(&g, &set.firm.response(side.first + k)[side.place]);
-                    inverse += f64s::max(all, p.alone[i] * LEAST);
+                    inverse += f64s::max(dot(&g, &set.firm.response(side.first + k)[side.place]), 0.0);
+                    apart += p.alone[i];
                 } else {
                     let j = &block.points[k].j;
                     let (mass, turn) = if i == 0 {
@@ -180,8 +181,10 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
                         (block.inv_mass_b[r.lane], j.b.get(r.lane).dot(j.ib.get(r.lane)))
                     };
                     inverse += f64::from(mass + turn);
+                    apart += f64::from(mass + turn);
                 }
             }
+            let inverse = if inverse > LEAST * apart { inverse } else { apart };
             p.mass = if inverse > 0.0 { (1.0 / inverse) as f32 } else { 0.0 };
         }
     }

@@ -212,6 +212,7 @@ fn make_contact(world: &mut World, key: u64) {
         slop: f32s::min(0.005 * unit, 0.05 * thin),
         extent_b: rb.shape.outer_radius(center),
         recycle_tolerance: f32s::min(0.02 * unit, 0.1 * thin),
+        spare: 0.0,
         deep: false,
         share: 1.0,
         hit_speed: 0.0,

@@ -4,7 +4,7 @@
 use super::Step;
 use crate::query::QueryFilter;
 use crate::room::characters::around::{Ahead, Around, MoveScratch};
-use crate::room::characters::desc::{CharacterGround, CharacterKind, CharacterMover};
+use crate::room::characters::desc::{CharacterGround, CharacterHit, CharacterKind, CharacterMover};
 use crate::room::characters::leg::{self, Stand, clamped};
 use crate::room::characters::solve::{Outcome, Walk, Wish, across};
 use crate::room::characters::state::Character;
@@ -177,8 +177,10 @@ fn walk(
         c.heading += turn;
     }
     let moved = out.foot != c.foot;
-    settle(c, &out, ground.map_or(Vec3::ZERO, |_| way * (1.0 / dt)), dt);
-    push(world, c, step, moved);
+    let stood = c.ground;
+    settle(world, c, &out, ground.map_or(Vec3::ZERO, |_| way * (1.0 / dt)), dt);
+    push(world, c, step);
+    bear(world, c, stood, step.dt, moved);
     lead(world, c, ahead);
 }
 
@@ -249,7 +251,7 @@ fn steer(c: &mut Character, gravity: Vec3, dt: f32) {
 }
 
 /// What the move did to the velocity; ground found and lost.
-fn settle(c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
+fn settle(world: &World, c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
     let up = c.desc.mover.up;
     let (mut flat, mut rise) = (across(c.velocity, up), c.velocity.dot(up));
     (c.on_steep, c.hit_ceiling) = (out.on_steep, out.hit_ceiling);
@@ -257,12 +259,14 @@ fn settle(c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
     if out.hit_ceiling {
         rise = f32s::min(rise, 0.0);
     }
-    // Walls take what goes into them; what walks on is asked for again in every step.
+    // Walls take what goes into them, of which what gives way leaves as much as it goes itself; what walks on is asked for again in every
+    // step.
     for h in &c.hits {
         if let Some((n, _)) = across(h.normal, up).try_normalize()
             && h.normal.dot(up) < c.desc.mover.cos_slope()
         {
-            flat += n * f32s::max(-flat.dot(n), 0.0);
+            let away = f32s::min(velocity_at(world, h).dot(n), 0.0);
+            flat += n * f32s::max(away - flat.dot(n), 0.0);
         }
     }
     match out.ground {
@@ -288,8 +292,19 @@ fn settle(c: &mut Character, out: &Outcome, carried: Vec3, dt: f32) {
     (c.foot, c.ground) = (out.foot, out.ground);
 }
 
-/// Forces on what is in the way, and the weight on what it stands on.
-fn push(world: &mut World, c: &Character, step: &Step, moved: bool) {
+/// Of the point of a dynamic body that was hit.
+fn velocity_at(world: &World, h: &CharacterHit) -> Vec3 {
+    let Ok(slot) = world.slot(h.body) else { return Vec3::ZERO };
+    let body = &world.bodies[slot];
+    if body.kind != BodyKind::Dynamic {
+        return Vec3::ZERO;
+    }
+    let (v, w) = world.velocities(body);
+    v + w.cross((h.point - world.frames[slot as usize].center).as_vec3())
+}
+
+/// Forces on what is in the way.
+fn push(world: &mut World, c: &Character, step: &Step) {
     let up = c.desc.mover.up;
     let ground = c.ground.map_or(Vec3::ZERO, |g| g.velocity);
     let wanted = across(c.input.walk, up) + across(ground, up);
@@ -304,25 +319,52 @@ fn push(world: &mut World, c: &Character, step: &Step, moved: bool) {
             let _ = world.do_force(h.body, j * (1.0 / step.dt), Vec3::ZERO, Some(at));
         }
     }
-    if let Some(g) = &c.ground {
-        let weight = up * f32s::min(world.gravity.dot(up), 0.0) * (c.desc.mass * c.desc.gravity_scale);
-        weigh(world, g, weight, step.dt, moved);
-    }
 }
 
-/// Most that a step's weight changes the velocity of where it stands, m/s: what is much lighter bears no more before its contacts answer.
-const KICK: f32 = 3.0;
+/// The weight of a walker on what it stands on, F ≤ M g.
+///
+/// One that falls with its ground weighs less: g − F/M is what it falls with itself, and under F the ground went with a; where that is faster,
+/// its feet would leave it. F goes by what the two differ in, (g − F/M − a)/(1/M + w), w the inverse mass of the ground there: on what stands that
+/// ends at M g, at once on what is heavy, over some steps on what is light; what falls freely under it gets what the two fall with together, g/(1/M + w).
+fn bear(world: &mut World, c: &mut Character, stood: Option<CharacterGround>, dt: f32, moved: bool) {
+    let Some(g) = c.ground else {
+        c.load = 0.0;
+        return;
+    };
+    let (up, mass) = (c.desc.mover.up, c.desc.mass);
+    let fall = f32s::max(-world.gravity.dot(up), 0.0) * c.desc.gravity_scale;
+    let give = world.slot(g.body).map_or(0.0, |slot| {
+        world.give_of(slot, (g.point - world.frames[slot as usize].center).as_vec3(), up)
+    });
+    let before = stood.filter(|s| s.body == g.body);
+    if before.is_none() {
+        c.load = 0.0;
+    }
+    let sinks = f32s::max(before.map_or(0.0, |s| (s.velocity - g.velocity).dot(up) / dt), 0.0);
+    let change = mass * (fall - sinks - c.load / f32s::max(mass, f32::MIN_POSITIVE)) / (1.0 + mass * give);
+    c.load = f32s::clamp(c.load + change, 0.0, mass * f32s::max(fall, 0.0));
+    weigh(world, &g, up * -c.load, moved);
+}
 
 /// A force on what carries a character, while that is awake or the character moves; a sleeper bears one that stands already.
-fn weigh(world: &mut World, g: &CharacterGround, force: Vec3, dt: f32, moved: bool) {
+fn weigh(world: &mut World, g: &CharacterGround, force: Vec3, moved: bool) {
     let Ok(slot) = world.slot(g.body) else { return };
     let body = &world.bodies[slot];
     if body.kind == BodyKind::Dynamic && (moved || body.row != NONE) {
-        let lever = (g.point - world.frames[slot as usize].center).as_vec3();
-        let kick = force.try_normalize().map_or(0.0, |(n, size)| size * dt * world.give_of(slot, lever, n));
-        let part = f32s::min(1.0, KICK * world.settings.length_unit / f32s::max(kick, f32::MIN_POSITIVE));
-        let _ = world.do_force(g.body, force * part, Vec3::ZERO, Some(g.point));
+        let _ = world.do_force(g.body, force, Vec3::ZERO, Some(g.point));
     }
+}
+
+/// Most that a step's weight changes the velocity of where a dynamic character stands, m/s: what is much lighter bears no more before its
+/// contacts answer.
+const KICK: f32 = 3.0;
+
+/// The part of a force that it bears.
+fn borne(world: &World, g: &CharacterGround, force: Vec3, dt: f32) -> f32 {
+    let Ok(slot) = world.slot(g.body) else { return 0.0 };
+    let lever = (g.point - world.frames[slot as usize].center).as_vec3();
+    let kick = force.try_normalize().map_or(0.0, |(n, size)| size * dt * world.give_of(slot, lever, n));
+    f32s::min(1.0, KICK * world.settings.length_unit / f32s::max(kick, f32::MIN_POSITIVE))
 }
 
 /// Makes the new place the target of the body, and lets later characters see it.
@@ -334,6 +376,11 @@ fn lead(world: &mut World, c: &Character, ahead: &mut Vec<Ahead>) {
         return;
     }
     let id = world.body_id(c.body);
+    if c.stepped > 0.0 {
+        // Onto a step it goes at once: on the way, its velocity would kick what it steps on.
+        let risen = from.p + (c.desc.mover.up * c.stepped).as_dvec3();
+        let _ = world.do_teleport(id, risen, from.q);
+    }
     if world.do_move_to(id, to.p, to.q).is_ok() {
         let at = ahead.partition_point(|a| a.body < c.body);
         let mine = Ahead { body: c.body, from, to };
@@ -404,7 +451,8 @@ fn stand(world: &mut World, c: &mut Character, ahead: &[Ahead], scratch: &mut Mo
     if let Some((g, _)) = &ground {
         // One that has just landed, or walks, wakes a sleeper.
         let stirs = c.air_time > 0.0 || v.length() > world.settings.sleep_speed;
-        weigh(world, g, -force, dt, stirs);
+        let part = borne(world, g, force, dt);
+        weigh(world, g, force * -part, stirs);
     }
     c.on_steep = steep.is_some();
     c.air_time = if ground.is_some() { 0.0 } else { c.air_time + dt };

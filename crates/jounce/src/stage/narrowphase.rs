@@ -73,6 +73,12 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose) -> bool {
     if !c.tested || !world.settings.recycle_contacts || world.hooks.contact.is_some() {
         return false;
     }
+    let moved = (pose.p - c.tested_pose.p).length();
+    let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
+    let moved = moved + 2.0 * turn * c.extent_b;
+    if c.spare > moved * (1.0 + 1e-5) {
+        return true;
+    }
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
     let turned = |q: Quat, then: Quat| then.inverse_mul(q).xyz().length_squared();
     let [qa, qb] = c.tested_rotations;
@@ -81,9 +87,7 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose) -> bool {
     {
         return false;
     }
-    let moved = (pose.p - c.tested_pose.p).length();
-    let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
-    if moved + 2.0 * turn * c.extent_b > c.recycle_tolerance {
+    if moved > c.recycle_tolerance {
         return false;
     }
     let d = (fb.center - fa.center).as_vec3();
@@ -147,7 +151,10 @@ fn test(world: &World, c: &mut Contact, pose: &Pose, set: &mut ManifoldSet, dt: 
         || world.bodies[c.body_b].looks_ahead()
         || ra.material.restitution > 0.0
         || rb.material.restitution > 0.0;
-    collide(&ra.shape, &rb.shape, &b_in_a, margin(world, c, bouncy, dt), &mut c.cache, set);
+    let margin = margin(world, c, bouncy, dt);
+    collide(&ra.shape, &rb.shape, &b_in_a, margin, &mut c.cache, set);
+    // How far ahead a bouncing pair looks changes from step to step.
+    c.spare = if bouncy { 0.0 } else { f32s::max(c.cache.gap - margin, 0.0) };
     c.tested = true;
     c.tested_pose = *pose;
     c.tested_rotations = [fa.rotation, fb.rotation];

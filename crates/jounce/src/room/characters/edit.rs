@@ -79,6 +79,7 @@ impl World {
             heading: d.heading,
             velocity: Vec3::ZERO,
             ground: None,
+            load: 0.0,
             crouched: false,
             air_time: 0.0,
             passing: None,

@@ -21,6 +21,8 @@ pub(crate) struct Character {
     /// Own velocity, m/s: against the ground while it stands, against the world in the air.
     pub velocity: Vec3,
     pub ground: Option<CharacterGround>,
+    /// Force of a walker on what it stands on, N.
+    pub load: f32,
     pub crouched: bool,
     /// Seconds since it last stood.
     pub air_time: f32,
@@ -70,7 +72,7 @@ impl Characters {
             h.dvec3(c.foot);
             h.vec3(c.velocity);
             h.floats(c.heading, c.air_time);
-            h.floats(c.stepped, 0.0);
+            h.floats(c.stepped, c.load);
             h.word(c.passing.map_or(0, ShapeId::to_bits));
             if let Some(g) = &c.ground {
                 h.word(g.shape.to_bits());

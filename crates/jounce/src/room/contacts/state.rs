@@ -168,6 +168,8 @@ pub(crate) struct Contact {
     /// Largest distance from B's origin that matters for turning.
     pub extent_b: f32,
     pub recycle_tolerance: f32,
+    /// What the shapes were apart beyond the margin at the last test, m: no part of either meets the other before it has moved so far.
+    pub spare: f32,
     /// Some point is deep inside, and the part of the push-out that is left to this contact; see [`super::crowd`].
     pub deep: bool,
     pub share: f32,

@@ -10,6 +10,7 @@ use crate::event::Event;
 use crate::handle::JointId;
 use crate::limits;
 use crate::room::contacts::state::Contact;
+use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::BodyFrame;
 use crate::world::World;
 use jounce_math::{Pose, Quat, Vec3, WorldPose};
@@ -278,10 +279,16 @@ impl World {
         })
     }
 
-    /// Contacts of bodies that a joint parts go.
+    /// Contacts of bodies that a joint parts go; their others are tested anew.
     fn part(&mut self, slot: u32) {
         let j = &self.joints.table[slot];
         let (a, b) = (j.body_a, j.body_b);
+        // Bodies on joints look ahead.
+        for body in [a, b] {
+            if self.bodies[body].kind == BodyKind::Dynamic {
+                self.forget_tests(body);
+            }
+        }
         if !self.are_parted(a, b) {
             return;
         }

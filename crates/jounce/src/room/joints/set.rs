@@ -106,6 +106,10 @@ impl JointSet {
         let links: Vec<(u8, [u32; 2])> =
             self.joints.iter().map(|s| (size(s) as u8, [moving(s.a), moving(s.b)])).collect();
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
+        let breaks = |s: &Solve| {
+            let d = &joints.table[s.id].desc;
+            d.break_force.is_finite() || d.break_torque.is_finite()
+        };
         let n = self.joints.len();
         self.loaded = self.is_loaded(inv_mass);
         self.welded = self.joints.iter().all(|s| {
@@ -117,7 +121,8 @@ impl JointSet {
         } else if any(JointSolver::Iterative) {
             0
         } else {
-            FILL_AUTO * n + if self.loaded { FILL_LOADED } else { FILL_SMALL }
+            FILL_AUTO * n
+                + if self.loaded || self.joints.iter().any(breaks) { FILL_LOADED } else { FILL_SMALL }
         };
         self.plan = if most == 0 { None } else { Plan::new(&links, self.bodies.len(), most) };
         self.shared.clear();
@@ -315,7 +320,8 @@ impl JointSet {
 }
 
 /// Blocks below the diagonal up to which a set is solved directly by itself: for each joint, and besides; so small nets are, of some 60
-/// joints, and those of some 300 where a heavy body hangs in a light net, which soft rows would let flow apart.
+/// joints, and those of some 300 where a heavy body hangs in a light net, which soft rows would let flow apart, or where joints break: what one bears,
+/// rows in turn do not say.
 const FILL_AUTO: usize = 6;
 const FILL_SMALL: usize = 64;
 const FILL_LOADED: usize = 2048;

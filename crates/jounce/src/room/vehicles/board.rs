@@ -217,6 +217,10 @@ fn set_edges(d: &BoardDesc, run: &Run, work: &mut [Work; 4]) {
     }
 }
 
+/// Cosines of the angles from upright up to which a rider in the air has all of his balance, and from which none: 30° and 60°.
+const HELD: f32 = 0.866;
+const LOST: f32 = 0.5;
+
 /// The rider's balance: the edge angle asked for on snow, upright in the air.
 fn ride(v: &Vehicle, d: &BoardDesc, run: &mut Run, h: f32, work: &[Work; 4], touching: usize) {
     let (up, forward) = run.axes();
@@ -228,8 +232,11 @@ fn ride(v: &Vehicle, d: &BoardDesc, run: &mut Run, h: f32, work: &[Work; 4], tou
     if touching == 0 || n == Vec3::ZERO {
         let g = run.gravity.length();
         if g > 0.0 {
-            let error = edge_angle(up, forward, run.gravity * (-1.0 / g));
-            hold_roll(run, error - wanted, d.hertz, d.damping_ratio, 0.0, h);
+            let sky = run.gravity * (-1.0 / g);
+            // Head over heels there is no upright to be held, and what turned to one would whirl it about.
+            let part = f32s::clamp((up.dot(sky) - LOST) / (HELD - LOST), 0.0, 1.0);
+            let error = edge_angle(up, forward, sky);
+            hold_roll(run, error - wanted, part * d.hertz, d.damping_ratio, 0.0, h);
         }
         return;
     }
