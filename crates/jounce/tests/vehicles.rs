@@ -731,6 +731,23 @@ fn a_board_glides() {
     assert!((a / want - 1.0).abs() < 0.01, "{a} for {want}");
 }
 
+/// Nothing in the air turns a rider who goes head over heels: the spin stays. Before, 2 rad/s became 23.
+#[test]
+fn a_rider_in_flight_is_not_whirled_about() {
+    let mut w = world();
+    let mut kit = vehicles::snowboard();
+    kit.vehicle.aero.clear();
+    let v = kit.add(&mut w, [0.0; 3], Quat::IDENTITY).unwrap();
+    let b = chassis(&w, v);
+    w.set_angular_velocity(b, Vec3::new(2.0, 0.0, 0.0)).unwrap();
+    let mut most = 0.0;
+    for _ in 0..240 {
+        w.step().unwrap();
+        most = f32s::max(most, w.body(b).unwrap().angular_velocity().length());
+    }
+    assert!((1.9..2.1).contains(&most), "{most} rad/s");
+}
+
 #[test]
 fn a_board_carves_on_its_sidecut() {
     for lean in [0.5_f32, 0.8, -0.5] {

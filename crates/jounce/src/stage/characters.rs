@@ -181,7 +181,7 @@ fn walk(
     settle(world, c, &out, ground.map_or(Vec3::ZERO, |_| way * (1.0 / dt)), dt);
     push(world, c, step);
     bear(world, c, stood, step.dt, moved);
-    lead(world, c, ahead);
+    lead(world, c, way.dot(up), ahead);
 }
 
 /// Moving walls: in parts small against the radius.
@@ -367,8 +367,11 @@ fn borne(world: &World, g: &CharacterGround, force: Vec3, dt: f32) -> f32 {
     f32s::min(1.0, KICK * world.settings.length_unit / f32s::max(kick, f32::MIN_POSITIVE))
 }
 
-/// Makes the new place the target of the body, and lets later characters see it.
-fn lead(world: &mut World, c: &Character, ahead: &mut Vec<Ahead>) {
+/// Rise against the way of the steepest slope on which a character goes up or down, and does not step.
+const SLOPE: f32 = 1.2;
+
+/// Makes the new place the target of the body, and lets later characters see it. `carried`: how far its ground took it up, m.
+fn lead(world: &mut World, c: &Character, carried: f32, ahead: &mut Vec<Ahead>) {
     let from = world.frames[c.body as usize].pose();
     let to = WorldPose::new(c.foot, c.desc.rotation(c.heading));
     let still = (to.p - from.p).length() < 1e-9 && (to.q == from.q || to.q.dot(from.q).abs() > 1.0 - 1e-7);
@@ -376,10 +379,12 @@ fn lead(world: &mut World, c: &Character, ahead: &mut Vec<Ahead>) {
         return;
     }
     let id = world.body_id(c.body);
-    if c.stepped > 0.0 {
-        // Onto a step it goes at once: on the way, its velocity would kick what it steps on.
-        let risen = from.p + (c.desc.mover.up * c.stepped).as_dvec3();
-        let _ = world.do_teleport(id, risen, from.q);
+    // Up and down steps it goes at once: on the way, its velocity would kick what it steps on.
+    let (way, up) = ((to.p - from.p).as_vec3(), c.desc.mover.up);
+    let usual = SLOPE * across(way, up).length() + carried.abs() + c.desc.mover.skin;
+    let step = way.dot(up) - f32s::clamp(way.dot(up), -usual, usual);
+    if c.ground.is_some() && step != 0.0 {
+        let _ = world.do_teleport(id, from.p + (up * step).as_dvec3(), from.q);
     }
     if world.do_move_to(id, to.p, to.q).is_ok() {
         let at = ahead.partition_point(|a| a.body < c.body);

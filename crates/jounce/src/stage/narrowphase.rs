@@ -312,3 +312,56 @@ fn ask_hook(
         c.manifold = if c.rest.is_empty() { ContactManifold::default() } else { c.rest.remove(0) };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{BodyDesc, Command, Settings, ShapeDesc, World, WorldDesc};
+    use jounce_math::Vec3;
+
+    /// Bodies that fly and turn past one another, who become bullets on the way or not: the first two that touch, and when.
+    fn first_touch(seed: u32, recycle_contacts: bool, bullets: bool) -> Option<(u32, u32, u64)> {
+        let settings = Settings { recycle_contacts, ..Settings::default() };
+        let desc = WorldDesc { gravity: Vec3::ZERO, settings, ..WorldDesc::default() };
+        let mut w = World::new(desc).expect("valid");
+        let mut state = seed;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut all = Vec::new();
+        for i in 0..12 {
+            let mut v = |s: f32| Vec3::new(random(), random(), random()) * s;
+            let shape = match i % 3 {
+                0 => ShapeDesc::cuboid([0.5, 0.1, 0.3]),
+                1 => ShapeDesc::cone(0.4, 0.3),
+                _ => ShapeDesc::cylinder(0.4, 0.1),
+            };
+            let d = BodyDesc::dynamic().at(v(4.0).as_dvec3()).velocity(v(2.0)).angular_velocity(v(4.0));
+            all.push(w.add_body(d.shape(shape)).expect("valid"));
+        }
+        for step in 0..240 {
+            if bullets && step == 20 {
+                all.iter().for_each(|&b| w.apply(Command::SetBullet(b, true)).map(|_| ()).expect("valid"));
+            }
+            w.step().expect("valid");
+            if let Some(c) = w.contacts.iter().find(|c| c.touching) {
+                return Some((c.shape_a, c.shape_b, step));
+            }
+        }
+        None
+    }
+
+    /// What is apart is not tested before it could have met: no touch is found later by that.
+    #[test]
+    fn pairs_that_are_apart_are_found_in_time() {
+        let mut touched = 0;
+        for seed in 0..60 {
+            for bullets in [false, true] {
+                let (tested, skipped) = (first_touch(seed, false, bullets), first_touch(seed, true, bullets));
+                touched += usize::from(tested.is_some_and(|t| t.2 > 20));
+                assert_eq!(tested, skipped, "seed {seed}, bullets: {bullets}");
+            }
+        }
+        assert!(touched > 30, "{touched}");
+    }
+}

@@ -1,8 +1,8 @@
 //! Mortar: welds between bodies that touch, as strong as the area they share.
 //!
 //! A joint with the face area A and the tensile strength σ holds the force σ A, and the moment σ A w/6, the bending strength of a
-//! square section of the width w = √A (W = w³/6). The two bodies still collide, so that what is pressed rests on its contact;
-//! pull, shear and bending are the mortar's.
+//! square section of the width w = √A (W = w³/6). While it holds, it bears pressure as it bears pull, and breaks by either; the two bodies
+//! collide, so that what is pressed rests on its neighbour when it is broken.
 //!
 //! Source: Timoshenko, Strength of materials, section modulus.
 
