@@ -574,6 +574,7 @@ impl World {
             isotropic: true,
             fast_rotation: false,
             body: slot,
+            halted: 0,
             sleep_timer: 0.0,
             sleep_speed: 0.0,
             drift: [Vec3::ZERO; 2],

@@ -102,7 +102,10 @@ impl World {
             h.vec3(s.torque);
             h.floats(s.sleep_timer, t.xx);
             h.floats(s.raised, t.inv_mass);
-            h.pair(u32::from(s.guided), u32::from(turning.is_some()) | (u32::from(s.target.is_some()) << 1));
+            h.pair(
+                u32::from(s.guided) | (u32::from(s.halted) << 1),
+                u32::from(turning.is_some()) | (u32::from(s.target.is_some()) << 1),
+            );
             if let Some(t) = turning {
                 h.dvec3(t.momentum);
                 h.vec3(t.w);

@@ -1,5 +1,5 @@
 //! Continuous collision: a body that moved far against its size is stopped where it first met a fixed shape (bullets: any
-//! shape). It keeps its velocity; the next step's contact takes it from there.
+//! shape). It keeps its velocity; the next step's contact takes it from there, and if it cannot, the velocity goes.
 //!
 //! Where the body already touched the shape at the start (it rests or slides on it), its whole outline would stop at once;
 //! then only a ball of half the inner radius at its centre is swept: it cannot get through. A ball that is in the surface
@@ -22,6 +22,10 @@ const CHUNK: usize = 4;
 const FAST: f32 = 0.5;
 /// Part of the inner radius that a sliding body may sink in within a step.
 const GRAZE: f32 = 0.25;
+/// Part of its way below which a body counts as stopped where it was.
+const STOPPED: f32 = 0.01;
+/// For how many steps that counts.
+const HALTED: u8 = 2;
 /// Halvings of the way of a body that goes too deep.
 const HALVINGS: u32 = 6;
 
@@ -31,8 +35,9 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     }
     let mut hits = core::mem::take(&mut world.scratch.hits);
     hits.clear();
-    for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
+    for (s, b) in world.awake.state.iter().zip(&mut world.awake.step) {
         let body = &world.bodies[b.body];
+        b.halted = b.halted.saturating_sub(1);
         let s = s.get();
         let moved = s.dp.length() + s.dr.length() * (body.mass.outer_radius - body.mass.inner_radius);
         if b.kind == BodyKind::Dynamic && moved > FAST * body.mass.inner_radius && moved.is_finite() {
@@ -62,10 +67,22 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         {
             s.set_velocity(s.v(), back.rotate(s.w()));
         }
+        halt(world, row, t);
         world.refresh_inertia(slot);
     }
     super::joints::follow(world, &hits);
     world.scratch.hits = hits;
+}
+
+/// A body that cannot go at all, twice, has no velocity: contacts would have taken it, but they see nothing that it runs into (it leans on an edge, and its
+/// end swings into the surface). With it, it would hang there for ever, and gravity would go on adding to it; without, it goes on slowly, in the
+/// hands of its contacts.
+fn halt(world: &mut World, row: usize, t: f32) {
+    let Some(b) = world.awake.step.get_mut(row).filter(|_| t < STOPPED) else { return };
+    if core::mem::replace(&mut b.halted, HALTED) > 0 {
+        world.awake.state[row].set_velocity(Vec3::ZERO, Vec3::ZERO);
+        world.awake.turning[row] = None;
+    }
 }
 
 /// Fraction of the step after which the body first meets something it must not pass.

@@ -71,7 +71,7 @@ pub(crate) struct JointSet {
     pub(super) loaded: bool,
     /// Was put together again after continuous collision.
     pub placed: bool,
-    /// All its joints are rigid welds.
+    /// All its joints are rigid welds that nothing breaks: one that would break cannot pass on what a contact stops.
     pub(super) welded: bool,
     /// Contacts are solved with all that is welded on its bodies.
     pub leaned: bool,
@@ -106,23 +106,19 @@ impl JointSet {
         let links: Vec<(u8, [u32; 2])> =
             self.joints.iter().map(|s| (size(s) as u8, [moving(s.a), moving(s.b)])).collect();
         let any = |k: JointSolver| self.joints.iter().any(|s| joints.table[s.id].solver() == k);
-        let breaks = |s: &Solve| {
-            let d = &joints.table[s.id].desc;
-            d.break_force.is_finite() || d.break_torque.is_finite()
-        };
         let n = self.joints.len();
         self.loaded = self.is_loaded(inv_mass);
         self.welded = self.joints.iter().all(|s| {
             let d = &joints.table[s.id].desc;
-            matches!(d.kind, JointKind::Fixed) && d.softness.is_none()
+            let holds = !d.break_force.is_finite() && !d.break_torque.is_finite();
+            matches!(d.kind, JointKind::Fixed) && d.softness.is_none() && holds
         });
         let most = if any(JointSolver::Direct) {
             FILL_ASKED * n + FILL_SMALL
         } else if any(JointSolver::Iterative) {
             0
         } else {
-            FILL_AUTO * n
-                + if self.loaded || self.joints.iter().any(breaks) { FILL_LOADED } else { FILL_SMALL }
+            FILL_AUTO * n + if self.loaded { FILL_LOADED } else { FILL_SMALL }
         };
         self.plan = if most == 0 { None } else { Plan::new(&links, self.bodies.len(), most) };
         self.shared.clear();
@@ -320,8 +316,7 @@ impl JointSet {
 }
 
 /// Blocks below the diagonal up to which a set is solved directly by itself: for each joint, and besides; so small nets are, of some 60
-/// joints, and those of some 300 where a heavy body hangs in a light net, which soft rows would let flow apart, or where joints break: what one bears,
-/// rows in turn do not say.
+/// joints, and those of some 300 where a heavy body hangs in a light net, which soft rows would let flow apart.
 const FILL_AUTO: usize = 6;
 const FILL_SMALL: usize = 64;
 const FILL_LOADED: usize = 2048;
