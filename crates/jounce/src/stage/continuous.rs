@@ -24,8 +24,8 @@ const FAST: f32 = 0.5;
 const GRAZE: f32 = 0.25;
 /// Part of its way below which a body counts as stopped where it was.
 const STOPPED: f32 = 0.01;
-/// For how many steps that counts.
-const HALTED: u8 = 2;
+/// Halts that take a body's velocity, where every halt counts two and every step takes one: nine steps in a row.
+const HALTED: u8 = 10;
 /// Halvings of the way of a body that goes too deep.
 const HALVINGS: u32 = 6;
 
@@ -74,12 +74,14 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     world.scratch.hits = hits;
 }
 
-/// A body that cannot go at all, twice, has no velocity: contacts would have taken it, but they see nothing that it runs into (it leans on an edge, and its
-/// end swings into the surface). With it, it would hang there for ever, and gravity would go on adding to it; without, it goes on slowly, in the
+/// A body that cannot go at all, for several steps, has no velocity: contacts would have taken it, but they see nothing that it runs into (it leans on an edge,
+/// and its end swings into the surface). With it, it would hang there for ever, and gravity would go on adding to it; without, it goes on slowly, in the
 /// hands of its contacts.
 fn halt(world: &mut World, row: usize, t: f32) {
     let Some(b) = world.awake.step.get_mut(row).filter(|_| t < STOPPED) else { return };
-    if core::mem::replace(&mut b.halted, HALTED) > 0 {
+    b.halted += 2;
+    if b.halted >= HALTED {
+        b.halted = 0;
         world.awake.state[row].set_velocity(Vec3::ZERO, Vec3::ZERO);
         world.awake.turning[row] = None;
     }

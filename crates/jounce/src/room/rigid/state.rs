@@ -203,7 +203,7 @@ pub(crate) struct BodyStep {
     pub body: u32,
     /// How many times its mass the body was given in the last step, for the load it carries; 1 as a rule.
     pub raised: f32,
-    /// Steps for which it counts that continuous collision stopped the body where it was.
+    /// Continuous collision stopped the body where it was: two for each time, less one for each step.
     pub halted: u8,
     /// Seconds at rest.
     pub sleep_timer: f32,
