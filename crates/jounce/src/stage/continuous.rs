@@ -24,8 +24,8 @@ const FAST: f32 = 0.5;
 const GRAZE: f32 = 0.25;
 /// Part of its way below which a body counts as stopped where it was.
 const STOPPED: f32 = 0.01;
-/// Halts that take a body's velocity, where every halt counts two and every step takes one: nine steps in a row.
-const HALTED: u8 = 10;
+/// Halts that take a body's velocity, where every halt counts two and every step takes one: four steps in a row.
+const HALTED: u8 = 5;
 /// Halvings of the way of a body that goes too deep.
 const HALVINGS: u32 = 6;
 
