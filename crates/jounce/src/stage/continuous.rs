@@ -26,6 +26,8 @@ const GRAZE: f32 = 0.25;
 const STOPPED: f32 = 0.01;
 /// Halts that take a body's velocity, where every halt counts two and every step takes one: four steps in a row.
 const HALTED: u8 = 5;
+/// The part of that by which one that is deeper already may sink: with none, the least that a contact yields would hold it where it is.
+const DEEPER: f32 = 0.1;
 /// Halvings of the way of a body that goes too deep.
 const HALVINGS: u32 = 6;
 
@@ -167,7 +169,7 @@ fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, set: &mut
     if last <= limit {
         return t;
     }
-    let limit = f32s::max(limit, depth(0.0));
+    let limit = f32s::max(limit, depth(0.0) + DEEPER * limit);
     if last <= limit {
         return t;
     }

@@ -94,13 +94,14 @@ impl WheelState {
         .all(|x| x.is_finite())
     }
     /// The depth that counts for springs: what was entered by moving, at most `way` (and `slack`) farther than in the last substep. The
-    /// rest becomes depth that counts by at most `push_out` in a substep, and only up to `slack`: so it lifts gently, and a jam stores
-    /// nothing.
+    /// rest becomes depth that counts by at most `push_out` in a substep, less what it came up by itself, and only up to `slack`: so it lifts gently,
+    /// and a jam stores nothing.
     pub fn entered(&mut self, depth: f32, way: f32, slack: f32, push_out: f32) -> f32 {
         let depth = f32s::max(depth, 0.0);
         let fresh = f32s::max(depth - self.depth - way - slack, 0.0);
         let sunk = f32s::min(self.sunk + fresh, depth);
-        let less = f32s::min(push_out, f32s::max(slack - (depth - sunk), 0.0));
+        let lifts = f32s::clamp(push_out - (self.depth - depth), 0.0, push_out);
+        let less = f32s::min(lifts, f32s::max(slack - (depth - sunk), 0.0));
         self.sunk = f32s::max(sunk - less, 0.0);
         self.depth = depth;
         depth - self.sunk
