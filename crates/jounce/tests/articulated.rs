@@ -108,11 +108,8 @@ fn a_rotor_is_not_braked_by_its_own_blades() {
     }
 }
 
-/// Welds on fixed ground leave a contact beside them nothing to do: what they leave is rounding. Before, it drove forces of kilonewtons through such
-/// pairs, and of the 88 welds of this wall, which hold 8 kN each under 2.4 kN of weight, 79 broke.
-#[test]
-fn a_wall_in_mortar_stands() {
-    let mut w = world(9.81);
+/// A wall of 48 bricks, column by column on the ground, which comes first.
+fn wall(w: &mut World) -> Vec<BodyId> {
     let mut bodies = vec![w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap()];
     for k in 0..6 {
         for i in 0..8 {
@@ -121,15 +118,33 @@ fn a_wall_in_mortar_stands() {
             bodies.push(w.add_body(BodyDesc::dynamic().at(at).shape(brick)).unwrap());
         }
     }
-    let welds = w.glue(&bodies, &GlueDesc::new(1e5)).unwrap();
-    let mut most = 0.0;
-    for _ in 0..60 {
-        w.step().unwrap();
-        for &j in &welds {
-            most = f32s::max(most, w.joint(j).expect("it broke").force().length());
+    bodies
+}
+
+/// Welds on fixed ground leave a contact beside them nothing to do: what they leave is rounding. Before, it drove forces of kilonewtons through such
+/// pairs, and of the 88 welds of this wall, which hold 8 kN each under 2.4 kN of weight, 79 broke. With welds that may break, and with ones that may not.
+#[test]
+fn a_wall_in_mortar_stands() {
+    for breaks in [true, false] {
+        let mut w = world(9.81);
+        let bodies = wall(&mut w);
+        let mut welds = w.glue(&bodies, &GlueDesc::new(1e5)).unwrap();
+        if !breaks {
+            let rigid =
+                |j: &JointId| w.joint(*j).unwrap().desc().clone().breaks_at(f32::INFINITY, f32::INFINITY);
+            let all: Vec<JointDesc> = welds.iter().map(rigid).collect();
+            welds.drain(..).for_each(|j| w.remove_joint(j).unwrap());
+            welds.extend(all.into_iter().map(|d| w.add_joint(d).unwrap()));
         }
+        let mut most = 0.0;
+        for _ in 0..60 {
+            w.step().unwrap();
+            for &j in &welds {
+                most = f32s::max(most, w.joint(j).expect("it broke").force().length());
+            }
+        }
+        println!("{} welds, up to {most} N, breaks: {breaks}", welds.len());
+        // Eight bricks of 30.4 kg lie on the lowest.
+        assert!(most < 1.1 * 8.0 * 30.4 * 9.81, "{most} N, breaks: {breaks}");
     }
-    println!("{} welds, up to {most} N", welds.len());
-    // Eight bricks of 30.4 kg lie on the lowest.
-    assert!(most < 1.1 * 8.0 * 30.4 * 9.81, "{most} N");
 }
