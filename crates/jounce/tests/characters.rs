@@ -433,7 +433,7 @@ fn it_pushes_a_box_of_10_kg_but_not_one_of_1000_kg() {
 }
 
 /// 300 N against the friction of a crate, µ m g with µ = 0.6: what they move goes nearly as fast as it walks, at any rate of steps; what they do not stays.
-/// Before, 20 kg went at 1.6 m/s at 60 Hz and at 0.4 at 240, and 60 kg crept by 9 mm/s.
+/// Before, 20 kg went at 1.5 m/s at 60 Hz and at 0.4 at 240, and 60 kg crept by 5 cm in 6 s.
 #[test]
 fn a_push_is_a_force() {
     for (rate_hz, mass) in [(60.0, 20.0_f32), (240.0, 20.0), (60.0, 40.0), (240.0, 40.0), (60.0, 60.0)] {
@@ -450,14 +450,16 @@ fn a_push_is_a_force() {
         let (speed, way) = (b.velocity().x, b.position().x - 1.5);
         println!("{mass} kg at {rate_hz} Hz: {speed:.3} m/s, {way:.4} m");
         if 0.6 * 9.81 * mass < 300.0 {
-            assert!((1.7..2.01).contains(&speed), "{mass} kg, {rate_hz} Hz: {speed} m/s");
+            // In every step he makes up for what friction took in the one before.
+            let want = 2.0 - 0.6 * 9.81 / rate_hz as f32;
+            assert!((speed - want).abs() < 0.02, "{mass} kg, {rate_hz} Hz: {speed} m/s for {want}");
         } else {
             assert!(way < 1e-3, "{mass} kg: {way} m");
         }
     }
 }
 
-/// Up a step that is loose: it goes at once, and takes nothing along. Before, the box went off at 6.5 m/s at 60 Hz and at 17 at 240.
+/// Up a step that is loose: it goes at once, and takes nothing along. Before, the box went off at 4.6 m/s at 60 Hz and at 17 at 240.
 #[test]
 fn loose_steps_are_not_kicked() {
     for rate_hz in [60.0, 240.0] {

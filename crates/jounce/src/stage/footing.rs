@@ -45,15 +45,6 @@ pub(super) struct Looks {
     count: usize,
 }
 
-/// The time that a look is for.
-#[derive(Clone, Copy, Debug)]
-enum When {
-    /// As the step begins, in its middle.
-    Step(f32),
-    /// In a substep, in its middle.
-    Substep(f32),
-}
-
 impl Looks {
     pub fn list(&self) -> &[Look] {
         &self.all[..self.count]
@@ -76,14 +67,14 @@ impl Looks {
             let v = &world.vehicles.table[l.vehicle];
             l.near.clear();
             gather(world, v, l.foot, step.dt, &mut l.near);
-            l.hit = look(world, v, l, When::Step(step.dt));
+            l.hit = look(world, v, l, step.dt, false);
         });
     }
 
     /// In a substep.
     pub fn renew(&mut self, world: &World, step: &Step) {
         world.tasks.for_each(&mut self.all[..self.count], UNIT, |_, l| {
-            l.hit = look(world, &world.vehicles.table[l.vehicle], l, When::Substep(step.constants.h));
+            l.hit = look(world, &world.vehicles.table[l.vehicle], l, step.constants.h, true);
         });
     }
 }
@@ -144,11 +135,8 @@ fn placed(world: &World, body: u32, moved: bool) -> BodyFrame {
     f
 }
 
-fn look(world: &World, v: &Vehicle, l: &Look, when: When) -> Option<Hit> {
-    let (time, moved) = match when {
-        When::Step(dt) => (dt, false),
-        When::Substep(h) => (h, true),
-    };
+/// What a foot meets in the middle of a `time`: of the step that begins, or, where bodies have `moved` since it began, of a substep.
+fn look(world: &World, v: &Vehicle, l: &Look, time: f32, moved: bool) -> Option<Hit> {
     let near = Near { world, shapes: &l.near, moved };
     let frame = placed(world, v.chassis, moved);
     if l.foot < v.wheels.len() {
