@@ -31,6 +31,9 @@ pub(crate) struct Local {
     pub loaded_dq: Quat,
     /// What tension adds to inertia in this substep.
     pub(super) added_inertia: Mat3,
+    /// How many joints hold it, and the square of the last one's lever, m².
+    pub(super) held: u32,
+    pub(super) swung: f32,
     /// Σ of impulses in the pass, then the change that they make, f64: those of a heavy load through light links cancel to a millionth.
     pub(super) dv: [f64; 6],
     /// Velocities that the rounds of the active set start from.
@@ -55,18 +58,23 @@ impl Local {
             inertia: None,
             loaded_dq: Quat::IDENTITY,
             added_inertia: Mat3::ZERO,
+            held: 0,
+            swung: 0.0,
             dv: [0.0; 6],
             before: [Vec3::ZERO; 2],
         }
     }
-    /// Keeps of what tension would add only what explicit motion cannot stand.
+    /// Keeps of what tension would add only what explicit motion cannot stand. What hangs on one joint alone swings about that, with its mass: however
+    /// small it is, a pendulum is no faster than its length.
     pub(super) fn raise_part(&mut self) {
         let Some(inertia) = &self.inertia else {
             self.added_inertia = Mat3::ZERO;
             return;
         };
         let g = 0.5 * trace(&self.added_inertia);
-        let own = 0.5 * trace(inertia);
+        let mass =
+            if self.inv_mass.max_component() > 0.0 { 1.0 / self.inv_mass.max_component() } else { 0.0 };
+        let own = 0.5 * trace(inertia) + if self.held == 1 { mass * self.swung } else { 0.0 };
         let part = if g > own { 1.0 - own / g } else { 0.0 };
         self.added_inertia = self.added_inertia.scale(part);
     }

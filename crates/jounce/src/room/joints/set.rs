@@ -13,7 +13,8 @@
 //! Light links under a heavy load. A link of inertia I under the tension f, held at the lever r, swings across the pull at
 //! ω = √(r·f/I); 20 g under 100 kg at 2,000 rad/s, which no substep resolves, and explicit motion would blow up. So tension acts implicitly
 //! where h² r·f > I (across rods: h² f/L > m/4): G = h² Σ (r·f)(1 − n nᵀ), n = r/|r|, and only the part of G beyond I is added,
-//! (I + G′) ω′ = I ω + Σ τ. It is implicit Euler's own treatment of those modes (geometric stiffness), damping included;
+//! (I + G′) ω′ = I ω + Σ τ. (What hangs on one joint alone turns about that: I + m r² in place of I, or the bob of a pendulum would be damped, the smaller
+//! the more.) It is implicit Euler's own treatment of those modes (geometric stiffness), damping included;
 //! whatever moves slowly enough has no part in it. So the load may be ten tons, and no joint yields.
 //!
 //! Inertia is that of the moment, not of the start of the step: a slender body that turned within the step would otherwise seem to

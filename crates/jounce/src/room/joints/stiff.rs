@@ -8,7 +8,7 @@ impl JointSet {
     /// Geometric stiffness: see the module's text.
     pub(super) fn stiffen(&mut self, k: &Constants) {
         for b in &mut self.bodies {
-            b.added_inertia = Mat3::ZERO;
+            (b.added_inertia, b.held, b.swung) = (Mat3::ZERO, 0, 0.0);
         }
         for s in &mut self.joints {
             let n = if s.rod { 1 } else { s.hard.n };
@@ -19,11 +19,12 @@ impl JointSet {
             }
             let e = Ends::now(&s.start, &self.bodies[s.a].m, &self.bodies[s.b].m);
             for (body, r, f) in [(s.a, e.ra, fa), (s.b, e.rb, fb)] {
+                let b = &mut self.bodies[body];
+                (b.held, b.swung) = (b.held + 1, r.length_squared());
                 let g = k.h * r.dot(f);
                 if g > 0.0 {
                     let n = r / r.length();
                     let across = Mat3::IDENTITY - Mat3::outer(n, n);
-                    let b = &mut self.bodies[body];
                     b.added_inertia = b.added_inertia + across.scale(g);
                 }
             }
