@@ -171,6 +171,19 @@ pub trait Lanes:
         out
     }
 
+    /// [`gather8`](Self::gather8) of rows that are made, not lent.
+    #[inline(always)]
+    fn gather8_of(row: impl Fn(usize) -> [f32; 8]) -> [Self; 8] {
+        let mut rows = [[0.0; 8]; LANES_MAX];
+        for lane in 0..Self::WIDTH {
+            rows[lane] = row(lane);
+        }
+        Self::gather8(
+            #[inline(always)]
+            |lane| &rows[lane],
+        )
+    }
+
     /// The reverse of [`gather8`](Self::gather8): calls `put(lane, row)` for every lane in order.
     #[inline(always)]
     fn scatter8(columns: [Self; 8], mut put: impl FnMut(usize, [f32; 8])) {
@@ -186,6 +199,21 @@ pub trait Lanes:
             put(lane, row);
         }
     }
+}
+
+/// Asks for the cache lines of `of`, which will be read soon. Changes nothing but time.
+#[inline(always)]
+pub fn prefetch<T>(of: &T) {
+    #[cfg(target_arch = "x86_64")]
+    for at in (0..size_of::<T>()).step_by(64) {
+        // SAFETY: a prefetch reads nothing and cannot fault; the address lies within `of`. SSE is part of the target.
+        unsafe {
+            use core::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            _mm_prefetch::<_MM_HINT_T0>(core::ptr::from_ref(of).cast::<i8>().add(at));
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = of;
 }
 
 /// A piece of work written for any width.

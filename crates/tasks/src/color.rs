@@ -103,6 +103,12 @@ impl ColorSets {
         item | SHARED
     }
 
+    /// The index that an item names, shared or not; `None` for [`NONE`](Self::NONE).
+    #[inline]
+    pub const fn index(item: u32) -> Option<usize> {
+        if item == Self::NONE { None } else { Some((item & !SHARED) as usize) }
+    }
+
     /// Forgets all rows and starts again with items `0..items` (at most [`ITEMS_MAX`](Self::ITEMS_MAX)). Allocations
     /// are kept.
     pub fn reset(&mut self, items: usize) {

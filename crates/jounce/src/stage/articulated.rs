@@ -122,7 +122,7 @@ fn gather(world: &mut World, s: &mut Leanings) {
         let bodies = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
         for m in manifolds(c) {
             let count = usize::from(m.count).min(4);
-            let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
+            let (color, row) = (usize::from(m.color), m.row as usize);
             let (block, lane) = (row / LANES, row % LANES);
             let mut sides = bodies.map(|row| Side { row, set: NONE, place: 0, first: 0 });
             for (side, (set, body)) in sides.iter_mut().zip(owners) {
@@ -193,7 +193,7 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
 
 /// Those of a contact that are taken out of the lanes: what bounces stays there.
 fn manifolds(c: &Contact) -> impl Iterator<Item = &ContactManifold> {
-    c.manifolds().filter(|m| m.row.1 != NONE && m.surface.restitution == 0.0)
+    c.manifolds().filter(|m| m.row != NONE && m.surface.restitution == 0.0)
 }
 
 fn points(c: &Contact) -> usize {

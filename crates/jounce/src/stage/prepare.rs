@@ -1,13 +1,13 @@
 //! Colours the manifolds and fills the solver's rows.
 
 use super::Step;
-use crate::room::contacts::prepare::{Prepare, Speeds, fill};
+use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::{crowd, load};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
-use jounce_lanes::dispatch;
+use jounce_lanes::{dispatch, prefetch};
 use jounce_tasks::{ColorSets, Row};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
@@ -25,7 +25,8 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         shared.tasks.for_each(list, 1, |unit, block| {
             let from = unit * LANES;
             let to = (from + LANES).min(rows.len());
-            fill_block(shared, block, &rows[from..to], step);
+            let next = &rows[to..(to + LANES).min(rows.len())];
+            fill_block(shared, block, &rows[from..to], next, step);
         });
     }
     world.scratch.blocks = blocks;
@@ -49,22 +50,32 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     world.scratch.loads = loads;
 }
 
-fn fill_block(world: &World, block: &mut Block, rows: &[Row], step: &Step) {
-    // Lanes without a row must be zero; a full block overwrites all that it reads.
-    if rows.len() < LANES {
-        *block = Block::default();
-    }
+fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step: &Step) {
     (block.any_rolling, block.any_rebound) = (false, false);
     block.rebound_change = [-1.0; LANES];
     (block.rows, block.points_max) = (rows.len(), 0);
-    let mut speeds = Speeds::ZERO;
+    // What the next block reads lies anywhere.
+    for row in next {
+        let (contact, _) = world.scratch.rows[row.payload() as usize];
+        prefetch(&world.contacts[contact as usize].manifold);
+        for item in [row.a(), row.b()].into_iter().filter_map(ColorSets::index) {
+            prefetch(&world.awake.state[item]);
+            prefetch(&world.awake.inertia[item]);
+        }
+    }
+    let mut sources = Sources::NOTHING;
     for (l, row) in rows.iter().enumerate() {
         let (contact, manifold) = world.scratch.rows[row.payload() as usize];
         let c = &world.contacts[contact as usize];
-        let m = c.get(manifold as usize);
-        fill(block, &mut speeds, l, c, m, &world.frames, &world.awake, &step.constants);
+        let bodies = [row.a(), row.b()].map(ColorSets::index);
+        sources.put(l, c.get(manifold as usize), bodies, &world.awake);
+        fill(block, l, c, &sources, &step.constants);
     }
-    dispatch(world.width, Prepare { block, speeds: &speeds, constants: &step.constants });
+    // The kernel makes lanes without a row zero; these come from rows alone.
+    for l in rows.len()..LANES {
+        block.mu[l] = 0.0;
+    }
+    dispatch(world.width, Prepare { block, sources: &sources, constants: &step.constants });
 }
 
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
@@ -89,14 +100,14 @@ fn color(world: &mut World) {
         let (a, b) = (item(c.body_a), item(c.body_b));
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.
         if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
-            c.manifolds_mut().for_each(|m| m.row.1 = NONE);
+            c.manifolds_mut().for_each(|m| m.row = NONE);
             continue;
         }
         for (k, m) in c.manifolds_mut().enumerate() {
             let payload = scratch.rows.len() as u32;
             scratch.rows.push((i as u32, k as u32));
             match scratch.colors.push(a, b, payload) {
-                Some(row) => m.row = row,
+                Some(row) => (m.color, m.row) = row,
                 None => debug_assert!(false, "a contact of a body with itself"),
             }
         }

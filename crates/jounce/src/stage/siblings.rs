@@ -54,9 +54,9 @@ fn blind(world: &mut World, step: &Step, owners: &[u32]) {
         if least < TURN / step.dt || (a - b).length() > TOGETHER * least {
             continue;
         }
-        for m in c.manifolds().filter(|m| m.row.1 != NONE) {
-            let (row, lane) = (m.row.1 as usize, m.row.1 as usize % LANES);
-            for p in &mut blocks[usize::from(m.row.0)][row / LANES].points {
+        for m in c.manifolds().filter(|m| m.row != NONE) {
+            let (row, lane) = (m.row as usize, m.row as usize % LANES);
+            for p in &mut blocks[usize::from(m.color)][row / LANES].points {
                 if p.separation[lane] > 0.0 {
                     (p.mass[lane], p.impulse[lane]) = (0.0, 0.0);
                 }

@@ -17,6 +17,8 @@ use jounce_tasks::ColorSets;
 const BODIES: usize = 256;
 /// Contacts per unit.
 const CONTACTS: usize = 128;
+/// Blocks of rows per unit.
+const BLOCKS: usize = 4;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
@@ -44,25 +46,20 @@ pub(crate) fn run(world: &mut World, step: &Step) {
 /// Restitution, impulses back to the manifolds, motion back to the frames.
 pub(crate) fn finish(world: &mut World, step: &Step) {
     super::restitution::run(world, step);
+    collect(world);
     let stick_speed = world.settings.stick_speed;
     let mut contacts = core::mem::take(&mut world.contacts);
-    let shared: &World = world;
-    shared.tasks.for_each(&mut contacts, CONTACTS, |_, c| {
+    let blocks = &world.scratch.blocks;
+    world.tasks.for_each(&mut contacts, CONTACTS, |_, c| {
         c.hit_speed = 0.0;
-        if !c.touching || c.manifold.row.1 == NONE {
+        if !c.touching || c.manifold.row == NONE {
             return;
         }
-        let side = |body: u32| match shared.frames[body as usize].row {
-            NONE => BodyState::FIXED,
-            row => shared.awake.state[row as usize],
-        };
-        let (a, b) = (side(c.body_a), side(c.body_b));
         let mut fastest = 0.0;
         for m in c.manifolds_mut() {
-            let (color, row) = (usize::from(m.row.0), m.row.1 as usize);
-            let (block, lane) = (row / LANES, row % LANES);
-            let hit = finish::store(m, &shared.scratch.blocks[color][block], lane, &a, &b, stick_speed);
-            fastest = f32s::max(fastest, hit);
+            let (block, lane) = (m.row as usize / LANES, m.row as usize % LANES);
+            let outcome = &blocks[usize::from(m.color)][block].results[lane];
+            fastest = f32s::max(fastest, finish::store(m, outcome, stick_speed));
         }
         c.hit_speed = fastest;
     });
@@ -70,6 +67,26 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     super::joints::finish(world, step);
     poses(world, step);
     super::vehicles::finish(world, step);
+}
+
+/// What the rows gave, row by row.
+fn collect(world: &mut World) {
+    let (scratch, width) = (&mut world.scratch, world.width);
+    let states = &world.awake.state;
+    for (color, blocks) in scratch.blocks.iter_mut().enumerate() {
+        let rows = scratch.colors.rows(color);
+        world.tasks.for_each(blocks, BLOCKS, |unit, block| {
+            let mut bodies = [[&BodyState::FIXED; LANES]; 2];
+            for (l, row) in rows[unit * LANES..].iter().enumerate().take(LANES) {
+                for (side, item) in bodies.iter_mut().zip([row.a(), row.b()]) {
+                    if let Some(i) = ColorSets::index(item) {
+                        side[l] = &states[i];
+                    }
+                }
+            }
+            dispatch(width, finish::Collect { block, states: &bodies });
+        });
+    }
 }
 
 fn poses(world: &mut World, step: &Step) {

@@ -12,50 +12,111 @@
 //! "Not speeding up" keeps a block that has just broken loose sliding; without the bit, a block slides for ever wherever
 //! μ_k < tan θ < μ_s.
 
-use super::rows::{Block, LANES};
+use super::rows::{Block, LANES, Lane, Outcome, Wide3, velocity};
 use super::state::ContactManifold;
 use crate::room::rigid::state::BodyState;
-use jounce_math::{Vec3, scalar::f32s};
+use jounce_lanes::{Kernel, Lanes};
+use jounce_math::Vec3;
 
 /// Slip that a sticking contact forgives, as a part of `Settings::stick_speed`: it comes from solving row by row.
 const BREAKAWAY: f32 = 0.1;
 
-/// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
-pub(crate) fn store(
-    m: &mut ContactManifold,
-    block: &Block,
-    l: usize,
-    a: &BodyState,
-    b: &BodyState,
-    stick_speed: f32,
-) -> f32 {
-    let l = l % LANES;
-    let (mut bound, mut hit, mut pushed) = (0.0, 0.0, false);
-    for (p, rows) in m.points.iter_mut().zip(&block.points).take(usize::from(m.count)) {
-        p.impulse = rows.impulse[l];
-        p.total_impulse = rows.total[l];
-        bound += rows.total[l];
-        pushed |= rows.impulse[l] > 0.0;
-        if rows.total[l] > 0.0 {
-            hit = f32s::max(hit, rows.approach[l]);
+/// What the rows of a block gave, row by row, as the manifolds want it.
+pub(crate) struct Collect<'a> {
+    pub block: &'a mut Block,
+    /// The two bodies of every row, at the end of the step.
+    pub states: &'a [[&'a BodyState; LANES]; 2],
+}
+
+impl Kernel for Collect<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let mut at = 0;
+        while at < self.block.rows {
+            collect::<L>(self.block, self.states, at);
+            at += L::WIDTH;
         }
     }
-    let n = block.normal.get(l);
-    let t1 = block.tangent.get(l);
-    let t2 = n.cross(t1);
-    let [f1, f2] = [block.friction_impulse[0][l], block.friction_impulse[1][l]];
-    m.friction = t1 * f1 + t2 * f2;
-    m.total_friction = t1 * block.friction_total[0][l] + t2 * block.friction_total[1][l];
-    m.twist = block.twist_impulse[l];
-    m.rolling = block.rolling_impulse.get(l);
-    let slip_along = |t: Vec3, i: usize| {
+}
+
+#[inline(always)]
+fn collect<L: Lanes>(block: &mut Block, states: &[[&BodyState; LANES]; 2], at: usize) {
+    let (zero, one) = (L::zero(), L::splat(1.0));
+    let (mut bound, mut hit, mut bounced) = (zero, zero, zero);
+    let mut points = [zero; 8];
+    for (i, rows) in block.points.iter().enumerate().take(block.points_max) {
+        let total = L::load(&rows.total[at..]);
+        points[i] = L::load(&rows.impulse[at..]);
+        points[4 + i] = total;
+        bound = bound + total;
+        let gave = total.gt(zero);
+        hit = L::select(gave, hit.max(L::load(&rows.approach[at..])), hit);
+        if block.any_rebound {
+            let back = L::load(&rows.rebound[at..]).gt(zero);
+            bounced = L::select(gave & back, one, bounced);
+        }
+    }
+    let n = Wide3::<L>::load(&block.normal, at);
+    let t1 = Wide3::<L>::load(&block.tangent, at);
+    let tangents = [t1, n.cross(t1)];
+    let friction = along(&block.friction_impulse, tangents, at);
+    let total = along(&block.friction_total, tangents, at);
+    let (va, wa) = velocity::<L>(&states[0], at);
+    let (vb, wb) = velocity::<L>(&states[1], at);
+    let dv = vb.sub(va);
+    let mut slip = Wide3::new(zero, zero, zero);
+    for (i, t) in tangents.into_iter().enumerate() {
         let j = &block.friction[i];
-        t.dot(b.v() - a.v()) + j.b.get(l).dot(b.w()) - j.a.get(l).dot(a.w()) - block.surface_speed[i][l]
-    };
-    let slip = t1 * slip_along(t1, 0) + t2 * slip_along(t2, 1);
+        let turned = t.dot(dv) + Wide3::load(&j.b, at).dot(wb) - Wide3::load(&j.a, at).dot(wa);
+        let part = t.scale(turned - L::load(&block.surface_speed[i][at..]));
+        slip = if i == 0 { part } else { slip.add(part) };
+    }
     // Over the whole step: within one substep the normal impulse of a rocking body may dip, which means nothing.
-    let used = m.total_friction.length_squared();
-    let saturated = used >= 0.999 * (block.mu[l] * bound) * (block.mu[l] * bound);
+    let limit = L::load(&block.mu[at..]) * bound;
+    let saturated = L::select(total.dot(total).ge(L::splat(0.999) * limit * limit), one, zero);
+    let twist = L::load(&block.twist_impulse[at..]);
+    let rolling = Wide3::<L>::load(&block.rolling_impulse, at);
+    let results = &mut block.results[at..at + L::WIDTH];
+    L::scatter8(
+        points,
+        #[inline(always)]
+        |l, row| results[l].points = row,
+    );
+    L::scatter8(
+        [friction.x, friction.y, friction.z, total.x, total.y, total.z, twist, hit],
+        #[inline(always)]
+        |l, row| results[l].friction = row,
+    );
+    L::scatter8(
+        [slip.x, slip.y, slip.z, rolling.x, rolling.y, rolling.z, saturated, bounced],
+        #[inline(always)]
+        |l, row| results[l].slip = row,
+    );
+}
+
+/// The sum of two impulses along the tangents.
+#[inline(always)]
+fn along<L: Lanes>(f: &[Lane; 2], t: [Wide3<L>; 2], at: usize) -> Wide3<L> {
+    t[0].scale(L::load(&f[0][at..])).add(t[1].scale(L::load(&f[1][at..])))
+}
+
+/// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
+pub(crate) fn store(m: &mut ContactManifold, of: &Outcome, stick_speed: f32) -> f32 {
+    let mut pushed = false;
+    let count = usize::from(m.count).min(4);
+    let (impulses, totals) = of.points.split_at(4);
+    for ((p, impulse), total) in m.points[..count].iter_mut().zip(impulses).zip(totals) {
+        (p.impulse, p.total_impulse) = (*impulse, *total);
+        pushed |= *impulse > 0.0;
+    }
+    let [fx, fy, fz, tx, ty, tz, twist, hit] = of.friction;
+    let [sx, sy, sz, rx, ry, rz, saturated, bounced] = of.slip;
+    m.friction = Vec3::new(fx, fy, fz);
+    m.total_friction = Vec3::new(tx, ty, tz);
+    m.twist = twist;
+    m.rolling = Vec3::new(rx, ry, rz);
+    let (slip, saturated) = (Vec3::new(sx, sy, sz), saturated > 0.0);
     let speed = slip.length();
     if pushed {
         m.stick = if m.stick {
@@ -68,8 +129,7 @@ pub(crate) fn store(
         m.stick = speed < stick_speed;
     }
     m.slip = slip;
-    let bounced = block.any_rebound && block.points.iter().any(|p| p.rebound[l] > 0.0 && p.total[l] > 0.0);
-    if bounced {
+    if bounced > 0.0 {
         forget(m);
     }
     hit

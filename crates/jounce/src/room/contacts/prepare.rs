@@ -1,9 +1,9 @@
-//! From manifolds to solver rows, once per step: [`fill`] copies a manifold into its lane, [`Prepare`] then computes
-//! Jacobians and effective masses for all lanes of a block at once.
+//! From manifolds to solver rows, once per step: [`Prepare`] transposes the manifolds and bodies of a block into lanes, and computes
+//! Jacobians and effective masses for all of them at once; [`fill`] adds what is decided row by row.
 
-use super::rows::{Block, LANES, Lane, Wide3};
+use super::rows::{Block, LANES, Wide3, velocity};
 use super::state::{Contact, ContactManifold};
-use crate::room::rigid::state::{Awake, BodyFrame, BodyState, InvInertia};
+use crate::room::rigid::state::{Awake, BodyState, InvInertia};
 use crate::settings::Settings;
 use jounce_lanes::{Kernel, Lanes};
 use jounce_math::{Mat3, Vec3, scalar::f32s};
@@ -73,94 +73,62 @@ pub(crate) fn impact_speed<L: Lanes>(approach: L, acceleration: L, gap: L, h: f3
     (v2.max(L::zero()).sqrt(), half)
 }
 
-/// One body as a row sees it.
-fn side(awake: &Awake, frame: &BodyFrame) -> (BodyState, InvInertia, Vec3) {
-    let row = frame.row as usize;
-    match awake.state.get(row) {
-        Some(state) => (*state, awake.inertia[row], awake.step[row].acceleration),
-        None => (BodyState::FIXED, InvInertia::default(), Vec3::ZERO),
+/// What a block is made from: manifolds and their two bodies, lane by lane.
+pub(crate) struct Sources<'a> {
+    pub manifolds: [&'a ContactManifold; LANES],
+    pub states: [[&'a BodyState; LANES]; 2],
+    pub inertia: [[&'a InvInertia; LANES]; 2],
+    /// Acceleration of B against A without contacts, m/s²; filled where something bounces.
+    pub acceleration: super::rows::LaneVec,
+}
+
+static NO_MANIFOLD: ContactManifold = ContactManifold::NOTHING;
+static NO_STATE: BodyState = BodyState::FIXED;
+static NO_INERTIA: InvInertia = InvInertia::FIXED;
+
+impl<'a> Sources<'a> {
+    pub const NOTHING: Self = Self {
+        manifolds: [&NO_MANIFOLD; LANES],
+        states: [[&NO_STATE; LANES]; 2],
+        inertia: [[&NO_INERTIA; LANES]; 2],
+        acceleration: super::rows::LaneVec::ZERO,
+    };
+    /// Puts a manifold and its bodies' rows into a lane.
+    pub fn put(&mut self, l: usize, m: &'a ContactManifold, rows: [Option<usize>; 2], awake: &'a Awake) {
+        let l = l % LANES;
+        self.manifolds[l] = m;
+        for (i, row) in rows.into_iter().enumerate() {
+            if let Some(row) = row {
+                self.states[i][l] = &awake.state[row];
+                self.inertia[i][l] = &awake.inertia[row];
+            }
+        }
+        if m.surface.restitution > 0.0 {
+            let acceleration = |row: Option<usize>| row.map_or(Vec3::ZERO, |r| awake.step[r].acceleration);
+            self.acceleration.set(l, acceleration(rows[1]) - acceleration(rows[0]));
+        }
     }
 }
 
-/// Velocities of the two bodies of every row of a block, gathered while filling.
-pub(crate) struct Speeds {
-    va: super::rows::LaneVec,
-    wa: super::rows::LaneVec,
-    vb: super::rows::LaneVec,
-    wb: super::rows::LaneVec,
-}
-
-impl Speeds {
-    pub const ZERO: Self = Self {
-        va: super::rows::LaneVec::ZERO,
-        wa: super::rows::LaneVec::ZERO,
-        vb: super::rows::LaneVec::ZERO,
-        wb: super::rows::LaneVec::ZERO,
-    };
-}
-
-/// Copies a manifold into a lane.
-pub(crate) fn fill(
-    block: &mut Block,
-    speeds: &mut Speeds,
-    l: usize,
-    c: &Contact,
-    m: &ContactManifold,
-    frames: &[BodyFrame],
-    awake: &Awake,
-    k: &StepConstants,
-) {
+/// What of a row is no lane of its manifold's: softness, friction by the stick bit, how it rolls.
+pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, s: &Sources<'_>, k: &StepConstants) {
     let l = l % LANES;
-    let (a, inertia_a, acceleration_a) = side(awake, &frames[c.body_a as usize]);
-    let (b, inertia_b, acceleration_b) = side(awake, &frames[c.body_b as usize]);
-    speeds.va.set(l, a.v());
-    speeds.wa.set(l, a.w());
-    speeds.vb.set(l, b.v());
-    speeds.wb.set(l, b.w());
-    block.normal.set(l, m.normal);
-    block.offset.set(l, m.offset);
-    block.acceleration.set(l, acceleration_b - acceleration_a);
-    block.inv_mass_a[l] = inertia_a.inv_mass;
-    block.inv_mass_b[l] = inertia_b.inv_mass;
-    set_inertia(&mut block.inertia_a, l, &inertia_a);
-    set_inertia(&mut block.inertia_b, l, &inertia_b);
-    let soft = if inertia_a.inv_mass == 0.0 || inertia_b.inv_mass == 0.0 { k.fixed } else { k.moving };
+    let m = s.manifolds[l];
+    let [a, b] = [s.inertia[0][l], s.inertia[1][l]];
+    let soft = if a.inv_mass == 0.0 || b.inv_mass == 0.0 { k.fixed } else { k.moving };
     block.bias_rate[l] = soft.bias_rate * c.share;
     block.push_out[l] = -k.push_out_speed * c.share;
     block.mass_scale[l] = soft.mass_scale;
     block.impulse_scale[l] = soft.impulse_scale;
-    let count = usize::from(m.count).min(4);
-    block.points_max = block.points_max.max(count);
-    for (rows, p) in block.points.iter_mut().zip(&m.points) {
-        rows.j.a.set(l, p.arm);
-        rows.separation[l] = p.separation;
-        rows.impulse[l] = p.impulse * k.warm;
-        rows.mass[l] = 1.0;
-    }
-    for rows in &mut block.points[count..] {
-        rows.j.a.set(l, Vec3::ZERO);
-        rows.separation[l] = 0.0;
-        rows.impulse[l] = 0.0;
-        rows.mass[l] = 0.0;
-    }
-    let s = &m.surface;
-    block.restitution[l] = s.restitution;
-    block.any_rebound |= s.restitution > 0.0;
-    block.friction_world.set(l, m.friction * k.warm);
-    block.surface_velocity.set(l, s.velocity);
-    block.mu[l] = if m.stick { s.static_friction } else { s.kinetic_friction };
-    block.twist_impulse[l] = m.twist * k.warm;
-    block.twist_patch[l] = s.twist_friction;
-    block.rolling[l] = s.rolling_friction;
-    block.rolling_impulse.set(l, m.rolling * k.warm);
-    let mut rolling_mass = Mat3::ZERO;
-    if s.rolling_friction > 0.0 {
-        block.any_rolling = true;
-        let sum = inertia_a.to_mat3() + inertia_b.to_mat3();
-        rolling_mass = sum.inverse().unwrap_or(Mat3::ZERO);
-    }
-    if block.any_rolling {
-        let r = &rolling_mass;
+    block.mu[l] = if m.stick { m.surface.static_friction } else { m.surface.kinetic_friction };
+    block.points_max = block.points_max.max(usize::from(m.count).min(4));
+    block.any_rebound |= m.surface.restitution > 0.0;
+    if m.surface.rolling_friction > 0.0 {
+        if !block.any_rolling {
+            block.any_rolling = true;
+            block.rolling_mass = [[0.0; LANES]; 6];
+        }
+        let r = (a.to_mat3() + b.to_mat3()).inverse().unwrap_or(Mat3::ZERO);
         for (field, v) in block.rolling_mass.iter_mut().zip([r.cx.x, r.cy.y, r.cz.z, r.cy.x, r.cz.x, r.cz.y])
         {
             field[l] = v;
@@ -168,56 +136,62 @@ pub(crate) fn fill(
     }
 }
 
-#[inline(always)]
-fn set_inertia(t: &mut [Lane; 6], l: usize, i: &InvInertia) {
-    for (field, v) in t.iter_mut().zip([i.xx, i.yy, i.zz, i.xy, i.xz, i.yz]) {
-        field[l % LANES] = v;
-    }
-}
-
-/// Jacobians, effective masses, friction centre and rebound speeds of a filled block.
-pub(crate) struct Prepare<'a> {
+/// Lanes, Jacobians, effective masses, friction centre and rebound speeds of a block.
+pub(crate) struct Prepare<'a, 'b> {
     pub block: &'a mut Block,
-    pub speeds: &'a Speeds,
+    pub sources: &'a Sources<'b>,
     pub constants: &'a StepConstants,
 }
 
-impl Kernel for Prepare<'_> {
+impl Kernel for Prepare<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
         let mut at = 0;
-        while at < self.block.rows {
-            prepare_lanes::<L>(self.block, self.speeds, self.constants, at);
+        // All lanes: those without a row become zero.
+        while at < LANES {
+            prepare_lanes::<L>(self.block, self.sources, self.constants, at);
             at += L::WIDTH;
         }
     }
 }
 
-/// Body terms shared by all directions of a row.
+/// The two bodies of a row, in registers.
 #[derive(Clone, Copy)]
-struct Masses<L> {
+struct Bodies<L> {
+    inertia: [[L; 6]; 2],
+    /// 1/m_A + 1/m_B.
     inv: L,
-    at: usize,
+}
+
+/// T v for a symmetric tensor xx, yy, zz, xy, xz, yz.
+#[inline(always)]
+fn times<L: Lanes>(t: &[L; 6], v: Wide3<L>) -> Wide3<L> {
+    let [xx, yy, zz, xy, xz, yz] = *t;
+    Wide3::new(
+        xx * v.x + xy * v.y + xz * v.z,
+        xy * v.x + yy * v.y + yz * v.z,
+        xz * v.x + yz * v.y + zz * v.z,
+    )
 }
 
 /// Sets a direction's Jacobian; gives J M⁻¹ Jᵀ.
 #[inline(always)]
 fn set_jacobian<L: Lanes>(
     j: &mut super::rows::Jacobian,
-    inertia: [&[Lane; 6]; 2],
+    m: &Bodies<L>,
     dir: Wide3<L>,
     ra: Wide3<L>,
     rb: Wide3<L>,
-    m: Masses<L>,
-) -> L {
+    at: usize,
+) -> (L, [Wide3<L>; 4]) {
     let (ja, jb) = (ra.cross(dir), rb.cross(dir));
-    let (ia, ib) = (ja.times(inertia[0], m.at), jb.times(inertia[1], m.at));
-    ja.store(&mut j.a, m.at);
-    jb.store(&mut j.b, m.at);
-    ia.store(&mut j.ia, m.at);
-    ib.store(&mut j.ib, m.at);
-    m.inv + ja.dot(ia) + jb.dot(ib)
+    let (ia, ib) = (times(&m.inertia[0], ja), times(&m.inertia[1], jb));
+    ja.store(&mut j.a, at);
+    jb.store(&mut j.b, at);
+    ia.store(&mut j.ia, at);
+    ib.store(&mut j.ib, at);
+    (m.inv + ja.dot(ia) + jb.dot(ib), [ja, jb, ia, ib])
 }
 
 /// 1/x, or 0 where x is not positive.
@@ -240,40 +214,73 @@ fn basis<L: Lanes>(n: Wide3<L>) -> (Wide3<L>, Wide3<L>) {
 }
 
 #[inline(always)]
-fn prepare_lanes<L: Lanes>(block: &mut Block, speeds: &Speeds, k: &StepConstants, at: usize) {
-    let n = Wide3::<L>::load(&block.normal, at);
-    let offset = Wide3::<L>::load(&block.offset, at);
-    let m = Masses { inv: L::load(&block.inv_mass_a[at..]) + L::load(&block.inv_mass_b[at..]), at };
-    let dv = Wide3::<L>::load(&speeds.vb, at).sub(Wide3::load(&speeds.va, at));
-    let (wa, wb) = (Wide3::<L>::load(&speeds.wa, at), Wide3::<L>::load(&speeds.wb, at));
-    let closing = -n.dot(Wide3::load(&block.acceleration, at));
+fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants, at: usize) {
+    let [nx, ny, nz, dx, dy, dz, twist, _] = L::gather8_of(
+        #[inline(always)]
+        |l| s.manifolds[(at + l) % LANES].lanes(),
+    );
+    let (n, offset) = (Wide3::new(nx, ny, nz), Wide3::new(dx, dy, dz));
+    n.store(&mut block.normal, at);
+    let warm = L::splat(k.warm);
+    (twist * warm).store(&mut block.twist_impulse[at..]);
+    let [_, _, restitution, rolling, patch, vx, vy, vz] = L::gather8_of(
+        #[inline(always)]
+        |l| s.manifolds[(at + l) % LANES].surface.lanes(),
+    );
+    restitution.store(&mut block.restitution[at..]);
+    rolling.store(&mut block.rolling[at..]);
+    patch.store(&mut block.twist_patch[at..]);
+    let ((va, wa), (vb, wb)) = (velocity::<L>(&s.states[0], at), velocity(&s.states[1], at));
+    let [axx, ayy, azz, axy, axz, ayz, ma, _] = inertia::<L>(&s.inertia[0], at);
+    let [bxx, byy, bzz, bxy, bxz, byz, mb, _] = inertia::<L>(&s.inertia[1], at);
+    ma.store(&mut block.inv_mass_a[at..]);
+    mb.store(&mut block.inv_mass_b[at..]);
+    let m = Bodies { inertia: [[axx, ayy, azz, axy, axz, ayz], [bxx, byy, bzz, bxy, bxz, byz]], inv: ma + mb };
+    if block.any_rolling {
+        for i in 0..6 {
+            m.inertia[0][i].store(&mut block.inertia_a[i][at..]);
+            m.inertia[1][i].store(&mut block.inertia_b[i][at..]);
+        }
+    }
+    let dv = vb.sub(va);
+    let closing = -n.dot(Wide3::load(&s.acceleration, at));
     let mut center = Wide3::new(L::zero(), L::zero(), L::zero());
     let mut weights = L::zero();
     let mut arms = [center; 4];
-    let inertia = [&block.inertia_a, &block.inertia_b];
-    for (rows, arm) in block.points.iter_mut().zip(&mut arms).take(block.points_max) {
-        let ra = Wide3::<L>::load(&rows.j.a, at);
+    let counts = counts::<L>(s, at);
+    for (i, (rows, arm)) in block.points.iter_mut().zip(&mut arms).enumerate().take(block.points_max) {
+        let there = counts.gt(L::splat(i as f32));
+        let [rx, ry, rz, separation, impulse, ..] = L::gather8_of(
+            #[inline(always)]
+            |l| s.manifolds[(at + l) % LANES].points[i].lanes(),
+        );
+        let none = L::zero();
+        let ra = Wide3::new(
+            L::select(there, rx, none),
+            L::select(there, ry, none),
+            L::select(there, rz, none),
+        );
+        let (gap, old) = (L::select(there, separation, none), L::select(there, impulse * warm, none));
         *arm = ra;
-        let present = L::load(&rows.mass[at..]);
-        let kn = set_jacobian(&mut rows.j, inertia, n, ra, ra.sub(offset), m);
+        let present = L::select(there, L::splat(1.0), L::zero());
+        let (kn, [ja, jb, ..]) = set_jacobian(&mut rows.j, &m, n, ra, ra.sub(offset), at);
         let mass = invert(kn) * present;
         mass.store(&mut rows.mass[at..]);
         // What cannot be moved is not pushed, and keeps nothing of what it was.
-        let old = L::load(&rows.impulse[at..]);
         L::select(mass.gt(L::zero()), old, L::zero()).store(&mut rows.impulse[at..]);
         L::zero().store(&mut rows.total[at..]);
-        let s = L::load(&rows.separation[at..]);
-        let vn = n.dot(dv) + Wide3::load(&rows.j.b, at).dot(wb) - Wide3::load(&rows.j.a, at).dot(wa);
+        gap.store(&mut rows.separation[at..]);
+        let vn = n.dot(dv) + jb.dot(wb) - ja.dot(wa);
         (-vn).store(&mut rows.approach[at..]);
         // A point about to open counts less, so that the friction centre moves smoothly; those beyond twice the
         // margin hardly count.
         let weight =
-            (L::splat(2.0) - s * L::splat(k.inv_margin)).max(L::splat(1e-10)).min(L::splat(1.0)) * present;
+            (L::splat(2.0) - gap * L::splat(k.inv_margin)).max(L::splat(1e-10)).min(L::splat(1.0)) * present;
         center = center.add(ra.scale(weight));
         weights = weights + weight;
         if block.any_rebound {
-            let (speed, half) = impact_speed(-vn, closing, s, k.h);
-            let e = L::load(&block.restitution[at..]);
+            let (speed, half) = impact_speed(-vn, closing, gap, k.h);
+            let e = restitution;
             let bounces = vn.lt(L::zero()) & speed.gt(L::splat(k.restitution_speed)) & e.gt(L::zero());
             L::select(bounces, e * speed + half, L::zero()).store(&mut rows.rebound[at..]);
         }
@@ -283,32 +290,59 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, speeds: &Speeds, k: &StepConstants
         let d = arm.sub(center);
         d.dot(d).sqrt().store(&mut rows.lever[at..]);
     }
-    prepare_friction(block, n, center, center.sub(offset), m);
+    let [fx, fy, fz, px, py, pz, ..] = L::gather8_of(
+        #[inline(always)]
+        |l| s.manifolds[(at + l) % LANES].friction_lanes(),
+    );
+    Wide3::new(px * warm, py * warm, pz * warm).store(&mut block.rolling_impulse, at);
+    let friction = Wide3::new(fx * warm, fy * warm, fz * warm);
+    prepare_friction(block, &m, n, [center, center.sub(offset)], friction, Wide3::new(vx, vy, vz), at);
 }
 
 #[inline(always)]
-fn prepare_friction<L: Lanes>(block: &mut Block, n: Wide3<L>, ra: Wide3<L>, rb: Wide3<L>, m: Masses<L>) {
-    let at = m.at;
+fn inertia<L: Lanes>(of: &[&InvInertia; LANES], at: usize) -> [L; 8] {
+    L::gather8_of(
+        #[inline(always)]
+        |l| of[(at + l) % LANES].lanes(),
+    )
+}
+
+/// Points of each row.
+#[inline(always)]
+fn counts<L: Lanes>(s: &Sources<'_>, at: usize) -> L {
+    let mut counts = [0.0; LANES];
+    for l in 0..L::WIDTH {
+        counts[l % LANES] = f32::from(s.manifolds[(at + l) % LANES].count);
+    }
+    L::load(&counts)
+}
+
+#[inline(always)]
+fn prepare_friction<L: Lanes>(
+    block: &mut Block,
+    m: &Bodies<L>,
+    n: Wide3<L>,
+    [ra, rb]: [Wide3<L>; 2],
+    impulse: Wide3<L>,
+    velocity: Wide3<L>,
+    at: usize,
+) {
     let (t1, t2) = basis(n);
     t1.store(&mut block.tangent, at);
-    let inertia = [&block.inertia_a, &block.inertia_b];
     let [f1, f2] = &mut block.friction;
-    let xx = set_jacobian(f1, inertia, t1, ra, rb, m);
-    let yy = set_jacobian(f2, inertia, t2, ra, rb, m);
-    let xy = Wide3::<L>::load(&f1.a, at).dot(Wide3::load(&f2.ia, at))
-        + Wide3::<L>::load(&f1.b, at).dot(Wide3::load(&f2.ib, at));
+    let (xx, [ja, jb, ..]) = set_jacobian(f1, m, t1, ra, rb, at);
+    let (yy, [_, _, ia, ib]) = set_jacobian(f2, m, t2, ra, rb, at);
+    let xy = ja.dot(ia) + jb.dot(ib);
     let inv = invert(xx * yy - xy * xy);
     (yy * inv).store(&mut block.friction_mass[0][at..]);
     (-(xy * inv)).store(&mut block.friction_mass[1][at..]);
     (xx * inv).store(&mut block.friction_mass[2][at..]);
-    let f = Wide3::<L>::load(&block.friction_world, at);
-    let v = Wide3::<L>::load(&block.surface_velocity, at);
     for (i, t) in [t1, t2].into_iter().enumerate() {
-        f.dot(t).store(&mut block.friction_impulse[i][at..]);
-        v.dot(t).store(&mut block.surface_speed[i][at..]);
+        impulse.dot(t).store(&mut block.friction_impulse[i][at..]);
+        velocity.dot(t).store(&mut block.surface_speed[i][at..]);
         L::zero().store(&mut block.friction_total[i][at..]);
     }
-    let (ia, ib) = (n.times(&block.inertia_a, at), n.times(&block.inertia_b, at));
+    let (ia, ib) = (times(&m.inertia[0], n), times(&m.inertia[1], n));
     ia.store(&mut block.twist_ia, at);
     ib.store(&mut block.twist_ib, at);
     invert(n.dot(ia) + n.dot(ib)).store(&mut block.twist_mass[at..]);

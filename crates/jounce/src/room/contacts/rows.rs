@@ -3,6 +3,7 @@
 //! The layout does not depend on the width of the kernels: a kernel of 1, 4, 8 or 16 lanes walks the same block in
 //! 16, 4, 2 or 1 steps. Rows of a block touch disjoint bodies. Lanes without a row are zero throughout and change nothing.
 
+use crate::room::rigid::state::BodyState;
 use jounce_lanes::{Lanes, six};
 use jounce_math::Vec3;
 
@@ -88,6 +89,16 @@ impl<L: Lanes> Wide3<L> {
     }
 }
 
+/// Velocity and spin of a body a lane.
+#[inline(always)]
+pub(crate) fn velocity<L: Lanes>(of: &[&BodyState; LANES], at: usize) -> (Wide3<L>, Wide3<L>) {
+    let u = L::gather8(
+        #[inline(always)]
+        |l| &of[(at + l) % LANES].hot,
+    );
+    (Wide3::new(u[0], u[1], u[2]), Wide3::new(u[3], u[4], u[5]))
+}
+
 /// A one-dimensional constraint direction: J by its angular parts, and I⁻¹ times them.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -110,11 +121,10 @@ impl Jacobian {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub(crate) struct PointRows {
-    /// The row filler leaves the lever r_A in `j.a`; the preparing kernel turns it into r_A × n.
     pub j: Jacobian,
     /// s₀, metres.
     pub separation: Lane,
-    /// Effective mass m; 0 for a point that is not there. The filler sets 1 where there is one.
+    /// Effective mass m; 0 for a point that is not there.
     pub mass: Lane,
     /// Accumulated impulse λ of this substep.
     pub impulse: Lane,
@@ -177,16 +187,9 @@ pub(crate) struct Block {
     pub rolling: Lane,
     pub rolling_mass: [Lane; 6],
     pub rolling_impulse: LaneVec,
-    /// I⁻¹ of both bodies: xx, yy, zz, xy, xz, yz.
+    /// I⁻¹ of both bodies: xx, yy, zz, xy, xz, yz; filled where some row rolls.
     pub inertia_a: [Lane; 6],
     pub inertia_b: [Lane; 6],
-    /// From A's centre of mass to B's.
-    pub offset: LaneVec,
-    /// Friction impulse of the last step and wanted surface velocity, world axes, before they are split along the tangents.
-    pub friction_world: LaneVec,
-    pub surface_velocity: LaneVec,
-    /// Relative acceleration of B against A without contacts.
-    pub acceleration: LaneVec,
     pub restitution: Lane,
     /// Rows, and most points of a row.
     pub rows: usize,
@@ -198,6 +201,24 @@ pub(crate) struct Block {
     pub rebound_change: Lane,
     /// Sum of the points' impulses over the step, before restitution.
     pub compression: Lane,
+    /// What goes back to the manifolds.
+    pub results: [Outcome; LANES],
+}
+
+/// What a row gave, and how its two surfaces slip, at the end of a step.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub(crate) struct Outcome {
+    /// Impulses of the points in the last substep, and over the step.
+    pub points: [f32; 8],
+    /// Friction impulse in the last substep, and over the step, world axes; twist; fastest approach of a point that pushed.
+    pub friction: [f32; 8],
+    /// Slip velocity and rolling impulse, world axes; by how much friction squared exceeds 0.999 of its bound squared; 1 where it bounced.
+    pub slip: [f32; 8],
+}
+
+impl Outcome {
+    const ZERO: Self = Self { points: [0.0; 8], friction: [0.0; 8], slip: [0.0; 8] };
 }
 
 impl Default for Block {
@@ -230,10 +251,6 @@ impl Default for Block {
             rolling_impulse: V,
             inertia_a: [L; 6],
             inertia_b: [L; 6],
-            offset: V,
-            friction_world: V,
-            surface_velocity: V,
-            acceleration: V,
             restitution: L,
             rows: 0,
             points_max: 0,
@@ -241,6 +258,7 @@ impl Default for Block {
             any_rebound: false,
             rebound_change: [-1.0; LANES],
             compression: L,
+            results: [Outcome::ZERO; LANES],
         }
     }
 }

@@ -48,80 +48,119 @@ pub(crate) struct ShapeRecord {
     pub visitors: Vec<(u32, u32)>,
 }
 
-/// A contact point with its impulses.
+/// A contact point with its impulses. What goes into the solver's lanes lies in front.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub(crate) struct Point {
-    /// On A's surface, from A's centre of mass, in body A's axes.
-    pub on_a: Vec3,
-    /// On B's surface, from B's centre of mass, in body B's axes.
-    pub on_b: Vec3,
     /// Lever from A's centre of mass to the middle of the gap at the time of the test, world axes.
     pub arm: Vec3,
     /// Gap at the start of the step, metres.
     pub separation: f32,
-    pub feature: u32,
     /// Normal impulse of the last substep, N s.
     pub impulse: f32,
     /// Sum over the substeps of the last step, N s.
     pub total_impulse: f32,
+    /// On A's surface, from A's centre of mass, in body A's axes.
+    pub on_a: Vec3,
+    /// On B's surface, from B's centre of mass, in body B's axes.
+    pub on_b: Vec3,
+    pub feature: u32,
+}
+
+impl Point {
+    pub const NOTHING: Self = Self {
+        arm: Vec3::ZERO,
+        separation: 0.0,
+        impulse: 0.0,
+        total_impulse: 0.0,
+        on_a: Vec3::ZERO,
+        on_b: Vec3::ZERO,
+        feature: 0,
+    };
+    /// Arm, separation, impulse; three more in the order of memory, so that it is one load.
+    #[inline(always)]
+    pub fn lanes(&self) -> [f32; 8] {
+        let (r, a) = (self.arm, self.on_a);
+        [r.x, r.y, r.z, self.separation, self.impulse, self.total_impulse, a.x, a.y]
+    }
 }
 
 /// Up to four points with one normal, and what friction remembers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub(crate) struct ContactManifold {
     /// Unit, A to B, world axes, as of the last test. Like the levers it stays while the contact is recycled, as it does
     /// over the substeps: only the gaps follow the bodies. A tall stack on soft contacts would buckle otherwise.
     pub normal: Vec3,
     /// From A's centre of mass to B's at the time of the test, world axes.
     pub offset: Vec3,
-    pub points: [Point; 4],
+    pub twist: f32,
+    /// Where its solver row is: colour and row.
+    pub color: u8,
     pub count: u8,
     pub faces: u8,
-    pub sub_a: u32,
-    pub sub_b: u32,
     /// Holds up to μ_s N; sliding otherwise, at μ_k N.
     pub stick: bool,
-    /// The manifold was made this step.
-    pub fresh: bool,
     /// Friction impulse of the last substep, world frame, N s.
     pub friction: Vec3,
-    /// Sum over the substeps of the last step, world frame, N s.
-    pub total_friction: Vec3,
-    pub twist: f32,
     pub rolling: Vec3,
     /// Slip velocity of B against A at the end of the last step, world frame, m/s.
     pub slip: Vec3,
-    /// Where its solver row is: colour and row.
-    pub row: (u8, u32),
+    pub row: u32,
     /// Surface coefficients of this manifold (triangles differ).
     pub surface: Surface,
+    pub points: [Point; 4],
+    /// Sum over the substeps of the last step, world frame, N s.
+    pub total_friction: Vec3,
+    pub sub_a: u32,
+    pub sub_b: u32,
+    /// The manifold was made this step.
+    pub fresh: bool,
+}
+
+impl ContactManifold {
+    pub const NOTHING: Self = Self {
+        normal: Vec3::ZERO,
+        offset: Vec3::ZERO,
+        twist: 0.0,
+        color: 0,
+        count: 0,
+        faces: 0,
+        stick: true,
+        friction: Vec3::ZERO,
+        rolling: Vec3::ZERO,
+        slip: Vec3::ZERO,
+        row: NONE,
+        surface: Surface::NOTHING,
+        points: [Point::NOTHING; 4],
+        total_friction: Vec3::ZERO,
+        sub_a: NONE,
+        sub_b: NONE,
+        fresh: true,
+    };
+    /// Normal, offset, twist, and nothing.
+    #[inline(always)]
+    pub fn lanes(&self) -> [f32; 8] {
+        let (n, d) = (self.normal, self.offset);
+        [n.x, n.y, n.z, d.x, d.y, d.z, self.twist, 0.0]
+    }
+    /// Friction and rolling impulses; two more in the order of memory.
+    #[inline(always)]
+    pub fn friction_lanes(&self) -> [f32; 8] {
+        let (f, r) = (self.friction, self.rolling);
+        [f.x, f.y, f.z, r.x, r.y, r.z, self.slip.x, self.slip.y]
+    }
 }
 
 impl Default for ContactManifold {
     fn default() -> Self {
-        Self {
-            normal: Vec3::ZERO,
-            offset: Vec3::ZERO,
-            points: [Point::default(); 4],
-            count: 0,
-            faces: 0,
-            sub_a: NONE,
-            sub_b: NONE,
-            stick: true,
-            fresh: true,
-            friction: Vec3::ZERO,
-            total_friction: Vec3::ZERO,
-            twist: 0.0,
-            rolling: Vec3::ZERO,
-            slip: Vec3::ZERO,
-            row: (0, NONE),
-            surface: Surface::default(),
-        }
+        Self::NOTHING
     }
 }
 
 /// Two materials combined.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
 pub struct Surface {
     /// μ_s.
     pub static_friction: f32,
@@ -135,6 +174,32 @@ pub struct Surface {
     pub twist_friction: f32,
     /// Wanted velocity of B's surface against A's, world frame, m/s.
     pub velocity: Vec3,
+}
+
+impl Surface {
+    pub(crate) const NOTHING: Self = Self {
+        static_friction: 0.0,
+        kinetic_friction: 0.0,
+        restitution: 0.0,
+        rolling_friction: 0.0,
+        twist_friction: 0.0,
+        velocity: Vec3::ZERO,
+    };
+    /// All of it, in the order of memory.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> [f32; 8] {
+        let v = self.velocity;
+        [
+            self.static_friction,
+            self.kinetic_friction,
+            self.restitution,
+            self.rolling_friction,
+            self.twist_friction,
+            v.x,
+            v.y,
+            v.z,
+        ]
+    }
 }
 
 /// A pair of shapes whose bounds overlap.

@@ -252,6 +252,14 @@ pub(crate) struct InvInertia {
 }
 
 impl InvInertia {
+    /// Of what cannot be moved.
+    pub const FIXED: Self =
+        Self { xx: 0.0, yy: 0.0, zz: 0.0, xy: 0.0, xz: 0.0, yz: 0.0, inv_mass: 0.0, pad: 0.0 };
+    /// All of it, in the order of memory.
+    #[inline(always)]
+    pub fn lanes(&self) -> [f32; 8] {
+        [self.xx, self.yy, self.zz, self.xy, self.xz, self.yz, self.inv_mass, self.pad]
+    }
     #[inline(always)]
     pub fn mul(&self, v: Vec3) -> Vec3 {
         Vec3::new(
