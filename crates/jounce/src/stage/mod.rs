@@ -45,9 +45,14 @@ pub(crate) struct Step {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     pub colors: ColorSets,
+    /// By body, while colours are found: its row, or none.
+    pub items: Vec<u32>,
     /// (contact row, manifold) by payload.
     pub rows: Vec<(u32, u32)>,
     pub blocks: Vec<Vec<Block>>,
+    /// By awake row: velocities before a pass over contacts, and what those of the last substep added to them.
+    pub before: Vec<[f32; 8]>,
+    pub pushed: Vec<[f32; 8]>,
     /// Contact rows that are deep, and how many each awake body has.
     pub deep: Vec<u32>,
     pub crowd: Vec<u32>,

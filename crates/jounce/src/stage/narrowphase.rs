@@ -225,6 +225,7 @@ fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
         if let Some(o) = points.iter().find(|o| o.feature == p.feature).or_else(|| points.iter().find(near)) {
             p.impulse = o.impulse;
             p.total_impulse = o.total_impulse;
+            new.total += o.total_impulse;
         }
     }
     new.friction = old.friction;

@@ -11,6 +11,7 @@ use jounce_lanes::{dispatch, prefetch};
 use jounce_tasks::{ColorSets, Row};
 
 pub(crate) fn run(world: &mut World, step: &Step) {
+    name_items(world);
     color(world);
     let (rows, deep) = (world.awake.state.len(), core::mem::take(&mut world.scratch.deep));
     crowd::share(&mut world.contacts, &deep, &world.frames, &mut world.scratch.crowd, rows);
@@ -30,6 +31,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         });
     }
     world.scratch.blocks = blocks;
+    world.awake.step.iter().for_each(|b| world.scratch.items[b.body as usize] = ColorSets::NONE);
     super::joints::prepare(world, step);
     super::vehicles::prepare(world, step);
 }
@@ -46,7 +48,8 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let bodies = &world.bodies;
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
-    load::raise(&world.contacts, &world.frames, &mut world.awake, jointed, hangs, &mut loads, numbers);
+    let (awake, items) = (&mut world.awake, &world.scratch.items);
+    load::raise(&world.contacts, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
     world.scratch.loads = loads;
 }
 
@@ -78,17 +81,22 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
     dispatch(world.width, Prepare { block, sources: &sources, constants: &step.constants });
 }
 
+/// By body: its row as the colouring names it. A list of its own, since a look at frames and rows for each contact costs more than all else here.
+fn name_items(world: &mut World) {
+    let items = &mut world.scratch.items;
+    items.resize(world.frames.len().max(items.len()), ColorSets::NONE);
+    for (row, b) in world.awake.step.iter().enumerate() {
+        let row = row as u32;
+        items[b.body as usize] = if b.kind == BodyKind::Dynamic { row } else { ColorSets::shared(row) };
+    }
+}
+
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
 fn color(world: &mut World) {
     let scratch = &mut world.scratch;
     scratch.colors.reset(world.awake.state.len());
     scratch.rows.clear();
     scratch.deep.clear();
-    let item = |body: u32| match world.frames[body as usize].row {
-        NONE => ColorSets::NONE,
-        row if world.awake.step[row as usize].kind == BodyKind::Dynamic => row,
-        row => ColorSets::shared(row),
-    };
     for (i, c) in world.contacts.iter_mut().enumerate() {
         if !c.touching {
             continue;
@@ -97,7 +105,7 @@ fn color(world: &mut World) {
         if c.deep {
             scratch.deep.push(i as u32);
         }
-        let (a, b) = (item(c.body_a), item(c.body_b));
+        let (a, b) = (scratch.items[c.body_a as usize], scratch.items[c.body_b as usize]);
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.
         if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
             c.manifolds_mut().for_each(|m| m.row = NONE);

@@ -28,17 +28,21 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         velocities(world, step);
         super::fields::act(world, step, i);
         articulated::renew(world, step);
-        sweep(world, Pass::Warm, step);
+        if i == 0 {
+            push_rows(world, step);
+        } else {
+            push_again(world);
+        }
         super::joints::solve(world, step, i);
         super::vehicles::act(world, step);
         articulated::solve(world, step);
-        sweep(world, Pass::Solve, step);
+        counted(world, Pass::Solve, step);
         super::joints::answer(world, step);
         super::vehicles::go(world);
         positions(world, step);
         super::joints::relax(world, step, i + 1 == step.substeps);
         articulated::relax(world, step);
-        sweep(world, Pass::Relax, step);
+        counted(world, Pass::Relax, step);
         super::vehicles::follow(world, step);
     }
 }
@@ -124,6 +128,9 @@ pub(super) fn speed_limits(world: &World, step: &Step) -> SpeedLimits {
 
 fn impacts(world: &mut World, step: &Step) {
     let threshold = step.constants.restitution_speed;
+    if world.bouncy == 0 && world.hooks.contact.is_none() {
+        return;
+    }
     if !impact::resolve(
         &world.contacts,
         &world.frames,
@@ -150,6 +157,42 @@ fn positions(world: &mut World, step: &Step) {
     let steps = &a.step;
     world.tasks.for_each2((&mut a.state, &mut a.turning), BODIES, |i, s, turning| {
         integrate_position(s, &steps[i], turning, bodies, frames, &sub);
+    });
+}
+
+/// The impulses of the last step, row by row.
+///
+/// Levers and inertia stay as they are within a step, so what the rows gave a body in one substep they give it again in the next: the warm start of
+/// those that follow is one addition a body ([`push_again`]), not a pass over all rows. Joints, which turn with their bodies, have their own.
+fn push_rows(world: &mut World, step: &Step) {
+    world.scratch.pushed.clear();
+    world.scratch.pushed.resize(world.awake.state.len(), [0.0; 8]);
+    counted(world, Pass::Warm, step);
+}
+
+/// Adds to every body what contacts gave it in the last substep.
+fn push_again(world: &mut World) {
+    let pushed = &world.scratch.pushed;
+    world.tasks.for_each(&mut world.awake.state, BODIES, |i, s| {
+        let Some(p) = pushed.get(i) else { return };
+        s.hot = core::array::from_fn(|k| s.hot[k] + p[k]);
+    });
+}
+
+/// A pass over all rows; what it does to the bodies' velocities adds to what is pushed again.
+fn counted(world: &mut World, pass: Pass, step: &Step) {
+    if world.scratch.rows.is_empty() {
+        return;
+    }
+    let before = &mut world.scratch.before;
+    before.clear();
+    before.extend(world.awake.state.iter().map(|s| s.hot));
+    sweep(world, pass, step);
+    let (before, states) = (&world.scratch.before, &world.awake.state);
+    world.tasks.for_each(&mut world.scratch.pushed, BODIES, |i, p| {
+        let (Some(s), Some(b)) = (states.get(i), before.get(i)) else { return };
+        // The last two are places, which no pass changes.
+        *p = core::array::from_fn(|k| p[k] + (s.hot[k] - b[k]));
     });
 }
 

@@ -103,13 +103,15 @@ fn along<L: Lanes>(f: &[Lane; 2], t: [Wide3<L>; 2], at: usize) -> Wide3<L> {
 
 /// Copies impulses back, and decides stick or slide. Gives the fastest approach of a point that pushed, m/s.
 pub(crate) fn store(m: &mut ContactManifold, of: &Outcome, stick_speed: f32) -> f32 {
-    let mut pushed = false;
+    let (mut pushed, mut total) = (false, 0.0);
     let count = usize::from(m.count).min(4);
     let (impulses, totals) = of.points.split_at(4);
-    for ((p, impulse), total) in m.points[..count].iter_mut().zip(impulses).zip(totals) {
-        (p.impulse, p.total_impulse) = (*impulse, *total);
+    for ((p, impulse), sum) in m.points[..count].iter_mut().zip(impulses).zip(totals) {
+        (p.impulse, p.total_impulse) = (*impulse, *sum);
+        total += *sum;
         pushed |= *impulse > 0.0;
     }
+    m.total = total;
     let [fx, fy, fz, tx, ty, tz, twist, hit] = of.friction;
     let [sx, sy, sz, rx, ry, rz, saturated, bounced] = of.slip;
     m.friction = Vec3::new(fx, fy, fz);

@@ -20,7 +20,7 @@
 
 use super::state::Contact;
 use crate::groups::{root, unite};
-use crate::room::rigid::state::{Awake, BodyFrame};
+use crate::room::rigid::state::Awake;
 use jounce_math::{Vec3, scalar::f32s};
 
 /// Ratio of load to weight from which a body counts as squeezed, and from which it is treated in full.
@@ -45,10 +45,11 @@ pub(crate) struct Loads {
     groups: Vec<(bool, f32)>,
 }
 
-/// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held.
+/// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held. `row` of a body is that
+/// in the awake columns, or beyond them.
 pub(crate) fn raise(
     contacts: &[Contact],
-    frames: &[BodyFrame],
+    row: impl Fn(u32) -> u32,
     awake: &mut Awake,
     jointed: impl Fn(u32) -> bool,
     hangs: impl Fn(u32) -> bool,
@@ -59,16 +60,12 @@ pub(crate) fn raise(
     sums.clear();
     sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
     for c in contacts.iter().filter(|c| c.touching) {
-        let rows = [frames[c.body_a as usize].row, frames[c.body_b as usize].row];
-        for m in c.manifolds() {
-            let total: f32 = m.points[..usize::from(m.count).min(4)].iter().map(|p| p.total_impulse).sum();
-            if total == 0.0 {
-                continue;
-            }
+        let rows = [row(c.body_a), row(c.body_b)];
+        for m in c.manifolds().filter(|m| m.total != 0.0) {
             for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
                 if let Some(s) = sums.get_mut(row as usize) {
-                    s.0 += total;
-                    s.1 += m.normal * (sign * total);
+                    s.0 += m.total;
+                    s.1 += m.normal * (sign * m.total);
                     s.2 = f32s::max(s.2, c.hit_speed);
                 }
             }
@@ -93,7 +90,7 @@ pub(crate) fn raise(
         parent.extend(0..sums.len() as u32);
         // Those too that push for the first time in this step.
         let pairs = contacts.iter().filter(|c| c.touching || c.now_touching);
-        let pairs = pairs.map(|c| [c.body_a, c.body_b].map(|b| frames[b as usize].row));
+        let pairs = pairs.map(|c| [c.body_a, c.body_b].map(&row));
         for [a, b] in pairs.clone().filter(|p| p.iter().all(|&row| moves(row))) {
             unite(parent, a, b);
         }

@@ -95,6 +95,8 @@ pub(crate) struct ContactManifold {
     /// From A's centre of mass to B's at the time of the test, world axes.
     pub offset: Vec3,
     pub twist: f32,
+    /// Sum of what the points gave over the last step, N s.
+    pub total: f32,
     /// Where its solver row is: colour and row.
     pub color: u8,
     pub count: u8,
@@ -123,6 +125,7 @@ impl ContactManifold {
         normal: Vec3::ZERO,
         offset: Vec3::ZERO,
         twist: 0.0,
+        total: 0.0,
         color: 0,
         count: 0,
         faces: 0,
@@ -138,11 +141,11 @@ impl ContactManifold {
         sub_b: NONE,
         fresh: true,
     };
-    /// Normal, offset, twist, and nothing.
+    /// Normal, offset, twist; one more in the order of memory.
     #[inline(always)]
     pub fn lanes(&self) -> [f32; 8] {
         let (n, d) = (self.normal, self.offset);
-        [n.x, n.y, n.z, d.x, d.y, d.z, self.twist, 0.0]
+        [n.x, n.y, n.z, d.x, d.y, d.z, self.twist, self.total]
     }
     /// Friction and rolling impulses; two more in the order of memory.
     #[inline(always)]
