@@ -13,6 +13,7 @@ use crate::room::particles::blast::push_by_explosion;
 use crate::room::rigid::desc::{self, AxisLocks, BodyDesc, BodyKind};
 use crate::room::rigid::mass;
 use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, NONE, lock_bits};
+use crate::stage::broadphase::{NEVER, Tag};
 use crate::world::World;
 use jounce_geometry::{Aabb, MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose, scalar::f32s};
@@ -193,12 +194,16 @@ impl World {
             hit_events: d.hit_events,
             user_data: d.user_data,
             place: Place::Nowhere,
-            moved: false,
             visitors: Vec::new(),
         });
-        self.fat.resize(self.fat.len().max(slot as usize + 1), Aabb::EMPTY);
+        let slots = self.fat.len().max(slot as usize + 1);
+        self.fat.resize(slots, Aabb::EMPTY);
+        self.fat_before.resize(slots, NEVER);
+        self.tags.resize(slots, Tag::default());
         self.fat[slot as usize] = Aabb::EMPTY;
         self.bouncy += usize::from(is_bouncy(&self.shapes[slot]));
+        self.running += usize::from(runs(&self.shapes[slot]));
+        self.telling += usize::from(self.shapes[slot].hit_events);
         self.bodies[body].shapes.push(slot);
         if d.sensor {
             let at = self.sensors.partition_point(|&s| s < slot);
@@ -251,6 +256,8 @@ impl World {
 
     fn drop_shape(&mut self, slot: u32) {
         self.bouncy -= usize::from(is_bouncy(&self.shapes[slot]));
+        self.running -= usize::from(runs(&self.shapes[slot]));
+        self.telling -= usize::from(self.shapes[slot].hit_events);
         if self.shapes[slot].sensor {
             self.sensors.retain(|&x| x != slot);
         }
@@ -468,9 +475,11 @@ impl World {
     fn do_set_material(&mut self, s: ShapeId, m: Material) -> Result<()> {
         let slot = self.shape_slot(s)?;
         m.check()?;
-        self.bouncy -= usize::from(is_bouncy(&self.shapes[slot]));
+        let before = [is_bouncy(&self.shapes[slot]), runs(&self.shapes[slot])].map(usize::from);
         self.shapes[slot].material = m;
-        self.bouncy += usize::from(is_bouncy(&self.shapes[slot]));
+        let now = [is_bouncy(&self.shapes[slot]), runs(&self.shapes[slot])].map(usize::from);
+        self.bouncy = self.bouncy + now[0] - before[0];
+        self.running = self.running + now[1] - before[1];
         self.wake_neighbours(self.shapes[slot].body);
         self.forget_tests(self.shapes[slot].body);
         Ok(())
@@ -507,6 +516,11 @@ impl World {
 
 fn is_bouncy(s: &ShapeRecord) -> bool {
     s.material.restitution > 0.0 || s.triangle_materials.iter().any(|m| m.restitution > 0.0)
+}
+
+/// Has it a surface that runs?
+fn runs(s: &ShapeRecord) -> bool {
+    core::iter::once(&s.material).chain(&s.triangle_materials).any(|m| m.surface_velocity != Vec3::ZERO)
 }
 
 fn check_force(field: &'static str, f: Vec3) -> Result<()> {
@@ -583,6 +597,7 @@ impl World {
             target: None,
             guided: false,
             room: 0.0,
+            radius: 0.0,
         });
         self.awake.turning.push(None);
         self.awake.inertia.push(InvInertia::default());
@@ -624,6 +639,7 @@ impl World {
         r.locks = lock_bits(&b.locks);
         r.isotropic = b.mass.isotropic;
         r.fast_rotation = b.fast_rotation || round;
+        r.radius = b.mass.outer_radius;
         r.sleep_speed = b.sleep_speed.unwrap_or(self.settings.sleep_speed * self.settings.length_unit);
         if let Some(t) = self.awake.turning.get_mut(b.row as usize) {
             *t = None;
@@ -685,7 +701,10 @@ impl World {
                 Place::MovingTree(self.moving_tree.insert(fat, slot))
             }
         };
-        self.shapes[slot].place = place;
+        let r = &mut self.shapes[slot];
+        r.place = place;
+        let dynamic = self.bodies[r.body].kind == BodyKind::Dynamic;
+        self.tags[slot as usize] = Tag::new(dynamic, !r.sensor, place == Place::Unbounded);
         self.mark_moved(slot);
         self.wake_near(slot);
     }
@@ -699,10 +718,8 @@ impl World {
             Place::MovingTree(leaf) => self.moving_tree.remove(leaf),
             Place::Unbounded => self.unbounded.retain(|&s| s != slot),
         }
-        let r = &mut self.shapes[slot];
-        r.place = Place::Nowhere;
-        if r.moved {
-            r.moved = false;
+        self.shapes[slot].place = Place::Nowhere;
+        if core::mem::take(&mut self.tags[slot as usize]).moved() {
             // Their order is no state: the broad phase sorts what it finds.
             if let Some(at) = self.moved.iter().position(|&s| s == slot) {
                 self.moved.swap_remove(at);
@@ -715,9 +732,17 @@ impl World {
         }
     }
 
+    /// The next pair search looks at the shape, whoever it met before.
     pub(crate) fn mark_moved(&mut self, slot: u32) {
-        if !self.shapes[slot].moved {
-            self.shapes[slot].moved = true;
+        self.fat_before[slot as usize] = NEVER;
+        self.list_moved(slot);
+    }
+
+    /// The next pair search looks at whom the shape meets now and did not before.
+    pub(crate) fn list_moved(&mut self, slot: u32) {
+        let tag = &mut self.tags[slot as usize];
+        if !tag.moved() {
+            tag.set_moved(true);
             self.moved.push(slot);
         }
     }

@@ -15,6 +15,7 @@ use crate::room::rigid::state::{Awake, Body, BodyFrame, NONE};
 use crate::room::vehicles::state::Vehicles;
 use crate::settings::{Settings, WorldDesc};
 use crate::stage::Scratch;
+use crate::stage::broadphase::Tag;
 use crate::table::{PairMap, Table};
 use jounce_geometry::{Aabb, Bvh};
 use jounce_lanes::Width;
@@ -44,8 +45,15 @@ pub struct World {
     pub(crate) sensors: Vec<u32>,
     /// Shapes with restitution: while there are any, bounds look a step ahead.
     pub(crate) bouncy: usize,
+    /// Shapes with a surface that runs, and shapes that tell of hits.
+    pub(crate) running: usize,
+    pub(crate) telling: usize,
     /// Fat bounds of shapes by slot, as they are in the trees.
     pub(crate) fat: Vec<Aabb>,
+    /// The same as of the last pair search: pairs that met then have their contacts. NaN for what was put there since.
+    pub(crate) fat_before: Vec<Aabb>,
+    /// By shape slot.
+    pub(crate) tags: Vec<Tag>,
     pub(crate) fixed_tree: Bvh,
     pub(crate) moving_tree: Bvh,
     pub(crate) unbounded: Vec<u32>,
@@ -53,6 +61,8 @@ pub struct World {
     pub(crate) moved: Vec<u32>,
 
     pub(crate) pairs: PairMap,
+    /// Some pairs whose bounds meet may have no contact: a hook refused them, or there were too many.
+    pub(crate) pairs_missing: bool,
     pub(crate) places: Vec<ContactPlace>,
     pub(crate) free_contacts: Vec<u32>,
     /// Contacts with an awake body, dense.
@@ -197,12 +207,17 @@ impl World {
             shapes: Table::default(),
             sensors: Vec::new(),
             bouncy: 0,
+            running: 0,
+            telling: 0,
             fat: Vec::new(),
+            fat_before: Vec::new(),
+            tags: Vec::new(),
             fixed_tree: Bvh::new(),
             moving_tree: Bvh::new(),
             unbounded: Vec::new(),
             moved: Vec::new(),
             pairs: PairMap::default(),
+            pairs_missing: false,
             places: Vec::new(),
             free_contacts: Vec::new(),
             contacts: Vec::new(),

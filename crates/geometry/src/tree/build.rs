@@ -35,6 +35,13 @@ impl Clone for Work {
     }
 }
 
+impl Work {
+    /// After [`Bvh::fit_grown`]: what grew stays marked.
+    pub fn forget(&mut self) {
+        self.made.clear();
+    }
+}
+
 /// Items `first..end` go below slot `slot` of `parent`.
 #[derive(Clone, Copy, Debug)]
 struct Job {

@@ -21,6 +21,8 @@ use crate::Aabb;
 
 /// Grown nodes per enlarged leaf from which tidying is worth it.
 const TIDY_PART: u32 = 2;
+/// Leaves per moved leaf up to which all that moved are put into the tree together.
+const CROWD: usize = 32;
 /// Area of the grown nodes, in what it was as they were built, from which they are built anew.
 const WORN: f64 = 1.25;
 /// No node, no leaf.
@@ -166,6 +168,46 @@ impl Bvh {
             self.build_grown();
         } else {
             self.accept_grown();
+        }
+    }
+    /// Like [`Bvh::enlarge`] for `count` leaves and their boxes, then [`Bvh::tidy`]. Of many leaves, each only marks what is above it, and
+    /// one pass over the marked nodes fits them.
+    pub fn enlarge_all(&mut self, count: usize, leaves: impl IntoIterator<Item = (u32, Aabb)>) {
+        if count * CROWD < self.len() {
+            leaves.into_iter().for_each(|(leaf, aabb)| self.enlarge(leaf, aabb));
+            self.tidy();
+            return;
+        }
+        for (leaf, aabb) in leaves {
+            self.mark(leaf, aabb);
+        }
+        if self.enlarged == 0 {
+            return;
+        }
+        let (now, built) = self.fit_grown();
+        if self.enlarged < self.grown / TIDY_PART {
+            self.work.forget();
+        } else if now > WORN * built {
+            self.build_grown();
+        } else {
+            self.accept_grown();
+        }
+    }
+    /// Gives a leaf a new box; the nodes above it are marked, and do not hold it yet.
+    fn mark(&mut self, leaf: u32, aabb: Aabb) {
+        if !self.is_leaf(leaf) {
+            return;
+        }
+        let mut n = self.leaves[leaf as usize].node;
+        let slot = self.slot_of(n, LEAF | leaf);
+        self.nodes[n as usize].boxes[slot] = aabb;
+        self.enlarged += 1;
+        while let Some(node) = self.nodes.get_mut(n as usize)
+            && !node.grown
+        {
+            node.grown = true;
+            n = node.parent;
+            self.grown += 1;
         }
     }
     /// Gives leaves new boxes and recomputes every ancestor exactly: `f(data, box)` returns the new box of a leaf.

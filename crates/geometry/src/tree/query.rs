@@ -16,6 +16,17 @@ impl Bvh {
     /// Calls `f(leaf, data)` for every leaf whose box overlaps; stops when `f` returns false.
     #[inline]
     pub fn query_leaves(&self, aabb: &Aabb, mut f: impl FnMut(u32, u32) -> bool) {
+        self.overlapping(aabb, |leaf, _| f(leaf, self.leaves[leaf as usize].data));
+    }
+
+    /// Calls `f(data, box)` for every leaf whose box overlaps; stops when `f` returns false.
+    #[inline]
+    pub fn query_boxes(&self, aabb: &Aabb, mut f: impl FnMut(u32, &Aabb) -> bool) {
+        self.overlapping(aabb, |leaf, b| f(self.leaves[leaf as usize].data, b));
+    }
+
+    #[inline(always)]
+    fn overlapping(&self, aabb: &Aabb, mut f: impl FnMut(u32, &Aabb) -> bool) {
         let mut stack = Stack::new(NONE);
         let mut current = self.root;
         let probe = Probe::new(aabb);
@@ -29,7 +40,7 @@ impl Bvh {
                     continue;
                 }
                 if child & LEAF != 0 {
-                    if !f(child & !LEAF, self.leaves[(child & !LEAF) as usize].data) {
+                    if !f(child & !LEAF, &node.boxes[k]) {
                         return;
                     }
                 } else if next == NONE {

@@ -46,6 +46,13 @@ fn check(tree: &Bvh, list: &[(u32, Aabb, u32)], r: &mut Random) {
         got.sort_unstable();
         want.sort_unstable();
         assert_eq!(got, want);
+        let mut got = 0;
+        tree.query_boxes(&q, |d, b| {
+            assert!(list.iter().any(|l| l.2 == d && l.1 == *b), "{d} has another box than {b:?}");
+            got += 1;
+            true
+        });
+        assert_eq!(got, want.len());
 
         let (o, d, half) = (r.vec(15.0), r.vec(1.0), Vec3::splat(r.unit()));
         let inv = Vec3::new(1.0 / d.x, 1.0 / d.y, 1.0 / d.z);
@@ -104,6 +111,13 @@ fn same_answers_as_a_list_through_inserts_moves_and_removals() {
                     }
                     assert_eq!(tree.aabb(list[k].0), list[k].1);
                     assert_eq!(tree.data(list[k].0), Some(list[k].2));
+                }
+                5 if step % 3 == 0 => {
+                    // None, some, or all of them.
+                    let every = 1 + r.next() as usize % 60;
+                    let moved: Vec<usize> = (0..list.len()).filter(|k| k % every == every - 1).collect();
+                    moved.iter().for_each(|&k| list[k].1 = r.aabb());
+                    tree.enlarge_all(moved.len(), moved.iter().map(|&k| (list[k].0, list[k].1)));
                 }
                 5 if step % 5 == 0 => tree.rebuild(),
                 5 if step % 5 < 3 => tree.tidy(),

@@ -1,9 +1,12 @@
 //! New pairs: every shape whose bounds changed asks the trees whom it may meet.
 //!
-//! Units of the search write candidate keys into lists of their own; the keys are then sorted, so that the order in which
-//! contacts are made depends on slots alone.
+//! Shapes that moved are sorted along a space-filling curve, and neighbours on it go through a tree together: what meets the box
+//! around them is held against each of them, many at a time. A pair whose bounds met before the move has its contact already, and
+//! is passed over without a look at a table. Units of the search write candidate keys into lists of their own; the keys are then
+//! sorted, so that the order in which contacts are made depends on slots alone.
 
 use super::Step;
+use super::reach::{BLOCK, Block, Group, Kernel};
 use crate::event::Event;
 use crate::hooks::PairView;
 use crate::limits;
@@ -12,11 +15,14 @@ use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::table::pair_key;
 use crate::world::World;
-use jounce_geometry::{PairCache, Shape};
-use jounce_math::{Pose, Quat, scalar::f32s};
+use jounce_geometry::{Aabb, Bvh, PairCache, Shape};
+use jounce_lanes::dispatch;
+use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 
 /// Moved shapes per unit.
-const CHUNK: usize = 32;
+const CHUNK: usize = 64;
+/// So few are not worth sorting.
+const FEW: usize = 16;
 
 /// In place of a key: the unit stopped there.
 const CUT: u64 = u64::MAX;
@@ -26,11 +32,43 @@ const KEPT: usize = 1 << 10;
 const USUAL: usize = 256;
 /// Contacts whose list should not double: some 30 MB.
 const MANY: usize = 1 << 16;
+/// Bounds that met nothing: comparisons with them are false.
+pub(crate) const NEVER: Aabb = Aabb::new(Vec3::splat(f32::NAN), Vec3::splat(f32::NAN));
+
+/// What the pair search asks of a shape first, in a byte, where the records of shape and body are half a kilobyte each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Tag(u8);
+
+impl Tag {
+    const MOVED: u8 = 1;
+    const DYNAMIC: u8 = 2;
+    const SOLID: u8 = 4;
+    const UNBOUNDED: u8 = 8;
+
+    /// Of a shape that has just been given its place.
+    pub fn new(dynamic: bool, solid: bool, unbounded: bool) -> Self {
+        let bit = |on: bool, bit: u8| if on { bit } else { 0 };
+        Self(bit(dynamic, Self::DYNAMIC) | bit(solid, Self::SOLID) | bit(unbounded, Self::UNBOUNDED))
+    }
+    fn has(self, bit: u8) -> bool {
+        self.0 & bit != 0
+    }
+    /// In the move buffer.
+    pub fn moved(self) -> bool {
+        self.has(Self::MOVED)
+    }
+    pub fn set_moved(&mut self, on: bool) {
+        self.0 = if on { self.0 | Self::MOVED } else { self.0 & !Self::MOVED };
+    }
+}
 
 pub(crate) fn run(world: &mut World, _: &Step) {
     if world.moved.is_empty() {
         return;
     }
+    // A hook may refuse what it did not refuse before.
+    world.pairs_missing |= world.hooks.filter.is_some();
+    sort_moved(world);
     let units = world.moved.len().div_ceil(CHUNK);
     let most = (2 * limits::CONTACTS_MAX / units).max(limits::FOUND_PAIRS_MAX);
     let mut lists = core::mem::take(&mut world.scratch.candidates);
@@ -40,9 +78,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         list.clear();
         let from = unit * CHUNK;
         let to = (from + CHUNK).min(shared.moved.len());
-        for &shape in &shared.moved[from..to] {
-            search(shared, shape, most, list);
-        }
+        search(shared, &shared.moved[from..to], most, list);
     });
     let usual = lists.len().min(units.max(USUAL));
     let longest = lists[..units].iter().map(Vec::len).max().unwrap_or(0);
@@ -63,6 +99,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         world.events.push(Event::LimitReached { what: "new pairs of a step" });
     }
     let full = make_contacts(world, &keys, limits::CONTACTS_MAX);
+    world.pairs_missing |= full;
     // Who was cut short goes on in the next step.
     let stays = |unit: usize| cut && !full && lists[unit].last() == Some(&CUT);
     let mut kept = 0;
@@ -70,13 +107,47 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         let s = world.moved[i];
         if stays(i / CHUNK) {
             world.moved[kept] = s;
+            world.fat_before[s as usize] = NEVER;
             kept += 1;
         } else {
-            world.shapes[s].moved = false;
+            world.tags[s as usize].set_moved(false);
+            world.fat_before[s as usize] = world.fat[s as usize];
         }
     }
     world.moved.truncate(kept);
     (world.scratch.candidates, world.scratch.keys) = (lists, keys);
+}
+
+/// Sorts the move buffer along a curve through space: neighbours on it are neighbours there.
+fn sort_moved(world: &mut World) {
+    if world.moved.len() <= FEW {
+        return;
+    }
+    let mut places = core::mem::take(&mut world.scratch.keys);
+    places.clear();
+    let twice = |s: u32| {
+        let b = &world.fat[s as usize];
+        b.min + b.max
+    };
+    let all = Aabb::from_points(world.moved.iter().map(|&s| twice(s)).filter(|p| p.is_finite()));
+    let cells = 1023.0 / (all.max - all.min).max_component();
+    places.extend(world.moved.iter().map(|&s| {
+        let p = (twice(s) - all.min) * cells;
+        let [x, y, z] = [p.x, p.y, p.z].map(|v| spread(v as u32));
+        (u64::from(x << 2 | y << 1 | z) << 32) | u64::from(s)
+    }));
+    places.sort_unstable();
+    world.moved.iter_mut().zip(&places).for_each(|(s, &p)| *s = p as u32);
+    world.scratch.keys = places;
+}
+
+/// The lowest 10 bits, two zeros after each.
+fn spread(x: u32) -> u32 {
+    let x = x.min(1023);
+    let x = (x | x << 16) & 0x0300_00ff;
+    let x = (x | x << 8) & 0x0300_f00f;
+    let x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
 }
 
 /// Makes the contacts of new pairs, in the order of their keys, up to a limit; true where that was reached.
@@ -99,50 +170,112 @@ fn make_contacts(world: &mut World, keys: &[u64], limit: usize) -> bool {
     false
 }
 
-/// Collects the pairs of one shape that are new and allowed, up to a length of the list.
-fn search(world: &World, shape: u32, most: usize, out: &mut Vec<u64>) {
-    let r = &world.shapes[shape];
-    if r.sensor || r.place == Place::Nowhere || out.last() == Some(&CUT) {
-        return;
-    }
-    let kind = world.bodies[r.body].kind;
-    let mut see = |other: u32| {
-        // Most are known; that takes one look, where all else takes one at each shape and body.
-        let key = pair_key(shape, other);
-        if world.pairs.contains(key) || !may_meet(world, shape, other) || finds_it_too(world, shape, other) {
-            return true;
+/// Collects the pairs of some shapes that are new and allowed, up to a length of the list.
+fn search(world: &World, shapes: &[u32], most: usize, out: &mut Vec<u64>) {
+    let mut found = Found { world, most, out };
+    let mut group = Group::new();
+    for &s in shapes {
+        let tag = world.tags[s as usize];
+        if !tag.has(Tag::SOLID) {
+            continue;
         }
-        let room = out.len() < most;
-        if room || out.last() != Some(&CUT) {
-            out.push(if room { key } else { CUT });
-        }
-        room
-    };
-    let fat = &world.fat[shape as usize];
-    if r.place == Place::Unbounded {
-        for (other, _) in world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_))) {
-            if near_plane(world, shape, other) && !see(other) {
+        if tag.has(Tag::UNBOUNDED) {
+            if !found.below_plane(s) {
                 return;
             }
+            continue;
         }
-        return;
-    }
-    world.moving_tree.query(fat, &mut see);
-    if kind == BodyKind::Dynamic {
-        world.fixed_tree.query(fat, &mut see);
-    }
-    for &plane in &world.unbounded {
-        if near_plane(world, plane, shape) && !see(plane) {
-            return;
+        let fat = &world.fat[s as usize];
+        if !group.takes(fat) {
+            if !found.around(&group) {
+                return;
+            }
+            group.clear();
         }
+        let before = if world.pairs_missing { &NEVER } else { &world.fat_before[s as usize] };
+        group.push(s, fat, before, tag.has(Tag::DYNAMIC));
+    }
+    found.around(&group);
+}
+
+/// The pairs that a unit found.
+struct Found<'a> {
+    world: &'a World,
+    most: usize,
+    out: &'a mut Vec<u64>,
+}
+
+impl Found<'_> {
+    /// False when the list is full.
+    fn see(&mut self, shape: u32, other: u32) -> bool {
+        let world = self.world;
+        let key = pair_key(shape, other);
+        if finds_it_too(world, shape, other) || world.pairs.contains(key) || !may_meet(world, shape, other) {
+            return true;
+        }
+        let room = self.out.len() < self.most;
+        self.out.push(if room { key } else { CUT });
+        room
+    }
+    /// What the bounds of a group meet.
+    fn around(&mut self, group: &Group) -> bool {
+        if group.is_empty() {
+            return true;
+        }
+        let world = self.world;
+        if !self.among(&world.moving_tree, group, u32::MAX)
+            || (group.dynamic != 0 && !self.among(&world.fixed_tree, group, group.dynamic))
+        {
+            return false;
+        }
+        let planes = || world.unbounded.iter().copied();
+        group.slots().iter().all(|&s| {
+            planes().all(|plane| !near_plane(world, plane, s) || self.see(s, plane))
+        })
+    }
+    /// What those members of a group that are in a mask meet in a tree.
+    fn among(&mut self, tree: &Bvh, group: &Group, members: u32) -> bool {
+        let mut block = Block::new();
+        let mut room = true;
+        tree.query_boxes(group.bounds(), |other, fat| {
+            block.push(other, fat, &self.world.fat_before[other as usize]);
+            if block.len() == BLOCK {
+                room = self.sift(&block, group, members);
+                block.clear();
+            }
+            room
+        });
+        room && self.sift(&block, group, members)
+    }
+    /// Holds a block against the members of a group.
+    fn sift(&mut self, block: &Block, group: &Group, members: u32) -> bool {
+        let hits = dispatch(self.world.width, Kernel { block, group });
+        for (m, &s) in group.slots().iter().enumerate() {
+            let mut left = if members >> m & 1 == 0 { 0 } else { hits[m] };
+            while left != 0 {
+                let other = block.slots[left.trailing_zeros() as usize];
+                debug_assert!(self.world.fat[s as usize].overlaps(&self.world.fat[other as usize]));
+                if other != s && !self.see(s, other) {
+                    return false;
+                }
+                left &= left - 1;
+            }
+        }
+        true
+    }
+    /// All that is near a half-space.
+    fn below_plane(&mut self, plane: u32) -> bool {
+        let world = self.world;
+        let mut bounded = world.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_)));
+        bounded.all(|(other, _)| !near_plane(world, plane, other) || self.see(plane, other))
     }
 }
 
 /// A moved shape of a dynamic body finds all its pairs by itself; of two such, the one of the lower slot has them. So a floor does
 /// not list all that lies on it.
 fn finds_it_too(world: &World, shape: u32, other: u32) -> bool {
-    let dynamic = |s: u32| world.bodies[world.shapes[s].body].kind == BodyKind::Dynamic;
-    world.shapes[other].moved && dynamic(other) && !(dynamic(shape) && shape < other)
+    let (a, b) = (world.tags[shape as usize], world.tags[other as usize]);
+    b.moved() && b.has(Tag::DYNAMIC) && !(a.has(Tag::DYNAMIC) && shape < other)
 }
 
 /// Do a shape's fat bounds reach a half-space?
@@ -245,15 +378,15 @@ mod tests {
         for _ in 0..9 {
             w.add_body(BodyDesc::dynamic().shape(ShapeDesc::sphere(1.0))).expect("valid");
         }
-        w.shapes[7].moved = false;
-        let found = |shape: u32, most: usize, mut list: Vec<u64>| {
-            search(&w, shape, most, &mut list);
+        w.tags[7].set_moved(false);
+        let found = |shapes: &[u32], most: usize| {
+            let mut list = Vec::new();
+            search(&w, shapes, most, &mut list);
             list
         };
-        assert_eq!(found(0, 8, Vec::new()).len(), 8);
-        let cut = found(0, 5, Vec::new());
-        assert_eq!((cut.len(), cut.last()), (6, Some(&CUT)));
-        assert_eq!(found(1, 5, cut.clone()), cut, "the rest of the unit waits");
-        assert_eq!(found(8, 8, Vec::new()), [pair_key(7, 8)], "the others that moved find it themselves");
+        assert_eq!(found(&[0], 8).len(), 8);
+        let cut = found(&[0, 1], 5);
+        assert_eq!((cut.len(), cut.last()), (6, Some(&CUT)), "the rest of the unit waits");
+        assert_eq!(found(&[8], 8), [pair_key(7, 8)], "the others that moved find it themselves");
     }
 }

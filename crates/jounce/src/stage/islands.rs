@@ -1,31 +1,43 @@
 //! Commits the narrow phase, serially and in row order: begin and end of touch, and who wakes whom.
+//!
+//! Only contacts are looked at of which the narrow phase had news, and those by which a body that moves may wake what sleeps on it.
 
-use super::Step;
+use super::{Step, narrowphase};
 use crate::event::Event;
+use crate::room::contacts::state::ContactPlace;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_math::Vec3;
+use std::sync::atomic::Ordering;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
+    let units = world.contacts.len().div_ceil(narrowphase::CHUNK);
     super::joints::stir(world);
+    let mut rows = core::mem::take(&mut world.scratch.rows_told);
+    rows.clear();
+    for (unit, news) in world.scratch.news.0.iter().take(units).enumerate() {
+        let mut left = news.load(Ordering::Relaxed);
+        while left != 0 {
+            rows.push((unit * narrowphase::CHUNK) as u32 + left.trailing_zeros());
+            left &= left - 1;
+        }
+    }
+    carried(world, &mut rows);
     let mut ends = core::mem::take(&mut world.scratch.ends);
     ends.clear();
     let mut wakes = core::mem::take(&mut world.scratch.wakes);
     wakes.clear();
-    for row in 0..world.contacts.len() {
+    for &row in &rows {
+        let row = row as usize;
         let c = &mut world.contacts[row];
         if c.apart {
             ends.push(c.id);
             continue;
         }
         if c.now_touching == c.touching {
-            if c.touching {
-                let c = &world.contacts[row];
-                wakes.extend(
-                    carried(world, c.body_a, c.body_b).or_else(|| carried(world, c.body_b, c.body_a)),
-                );
-            }
+            let sides = [c.body_a, c.body_b];
+            wakes.extend(sides.into_iter().filter(|&x| asleep(world, x)));
             continue;
         }
         c.touching = c.now_touching;
@@ -48,18 +60,32 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     for &body in &wakes {
         world.wake_body(body);
     }
-    world.scratch.wakes = wakes;
+    (world.scratch.wakes, world.scratch.rows_told) = (wakes, rows);
     super::vehicles::look(world, step);
 }
 
-/// A body that sleeps on a kinematic one that moves.
-fn carried(world: &World, sleeper: u32, carrier: u32) -> Option<u32> {
-    let row = world.frames[carrier as usize].row;
-    if row == NONE || world.awake.step[row as usize].kind != BodyKind::Kinematic || !asleep(world, sleeper) {
-        return None;
+/// Adds the contacts of bodies that sleep on kinematic ones that move, and keeps the rows in order.
+fn carried(world: &World, rows: &mut Vec<u32>) {
+    if world.islands.len() == 0 {
+        return;
     }
-    let s = &world.awake.state[row as usize];
-    (s.v() != Vec3::ZERO || s.w() != Vec3::ZERO).then_some(sleeper)
+    let told = rows.len();
+    for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
+        if b.kind != BodyKind::Kinematic || (s.v() == Vec3::ZERO && s.w() == Vec3::ZERO) {
+            continue;
+        }
+        for &id in &world.bodies[b.body].contacts {
+            let ContactPlace::Awake(row) = world.places[id as usize] else { continue };
+            let c = &world.contacts[row as usize];
+            let still = c.touching && c.now_touching && !c.apart;
+            if still && asleep(world, if c.body_a == b.body { c.body_b } else { c.body_a }) {
+                rows.push(row);
+            }
+        }
+    }
+    if rows.len() > told {
+        rows.sort_unstable();
+    }
 }
 
 fn asleep(world: &World, body: u32) -> bool {

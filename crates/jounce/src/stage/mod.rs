@@ -17,6 +17,7 @@ mod nets;
 pub(crate) mod particles;
 pub(crate) mod prepare;
 pub(crate) mod publish;
+mod reach;
 pub(crate) mod restitution;
 pub(crate) mod seams;
 pub(crate) mod sensors;
@@ -31,6 +32,7 @@ use crate::room::contacts::rows::Block;
 use jounce_geometry::ManifoldSet;
 use jounce_tasks::ColorSets;
 use std::sync::Mutex;
+use std::sync::atomic::AtomicU64;
 
 /// What every stage is given about the step.
 #[derive(Clone, Copy, Debug)]
@@ -57,19 +59,24 @@ pub(crate) struct Scratch {
     pub deep: Vec<u32>,
     pub crowd: Vec<u32>,
     pub sets: Sets,
+    pub news: News,
     /// Candidate pairs, one list per unit of the broad phase.
     pub candidates: Vec<Vec<u64>>,
     pub keys: Vec<u64>,
     pub ends: Vec<u32>,
+    /// Contact rows that the islands stage looks at.
+    pub rows_told: Vec<u32>,
     /// By awake row: frames at the end of the step, on several threads.
     pub ends_of_step: Vec<crate::room::rigid::state::BodyFrame>,
     /// New bounds, one list per unit.
-    pub bounds: Vec<publish::Moves>,
+    pub bounds: publish::Moves,
     /// Bodies to wake.
     pub wakes: Vec<u32>,
     pub parent: Vec<u32>,
-    /// Least rest of an island, by its root.
-    pub rest: Vec<f32>,
+    /// What the search for islands at rest knows of each awake row, the island that it is at, and what stands on wheels.
+    pub rest: Vec<sleep::Rest>,
+    pub island: Vec<u32>,
+    pub wheels: Vec<(u32, u32)>,
     /// (root, row, body) of what falls asleep.
     pub resting: Vec<(u32, u32, u32)>,
     /// Emptied lists of islands that woke.
@@ -99,6 +106,24 @@ impl Scratch {
     }
     pub fn overflow_rows(&self) -> usize {
         self.colors.overflow().len()
+    }
+}
+
+/// Contacts that the narrow phase found apart, or that began or ended to touch: a bit each, a word per unit.
+#[derive(Debug, Default)]
+pub(crate) struct News(pub Vec<AtomicU64>);
+
+impl News {
+    /// Makes sure that there are so many words.
+    pub fn at_least(&mut self, n: usize) {
+        self.0.resize_with(self.0.len().max(n), AtomicU64::default);
+    }
+}
+
+impl Clone for News {
+    /// Memory, not state: a clone starts without.
+    fn clone(&self) -> Self {
+        Self::default()
     }
 }
 

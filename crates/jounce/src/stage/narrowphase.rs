@@ -10,9 +10,10 @@ use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide};
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
 
-/// Contacts per unit.
-const CHUNK: usize = 64;
+/// Contacts per unit: the bits of a word.
+pub(super) const CHUNK: usize = 64;
 /// sin²(θ/2) of the largest turn of a body over which a manifold is recycled (10°).
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 
@@ -20,12 +21,16 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let mut contacts = core::mem::take(&mut world.contacts);
     let units = contacts.len().div_ceil(CHUNK);
     world.scratch.sets.at_least(units);
+    world.scratch.news.at_least(units);
     let shared: &World = world;
     shared.tasks.for_each_chunk(&mut contacts, CHUNK, |first, chunk| {
         let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
-        for c in chunk {
+        let mut news = 0;
+        for (i, c) in chunk.iter_mut().enumerate() {
             update(shared, c, &mut set, step.dt);
+            news |= u64::from(c.apart || c.now_touching != c.touching) << i;
         }
+        shared.scratch.news.0[first / CHUNK].store(news, Ordering::Relaxed);
     });
     world.contacts = contacts;
 }

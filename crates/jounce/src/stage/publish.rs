@@ -4,10 +4,11 @@ use super::Step;
 use crate::edit::margin_of;
 use crate::event::Event;
 use crate::room::contacts::state::{Contact, Place};
-use crate::room::rigid::state::BodyFrame;
+use crate::room::rigid::state::{BodyFrame, BodyStep};
 use crate::world::World;
 use jounce_geometry::Aabb;
 use jounce_math::{Vec3, scalar::f32s};
+use std::sync::{Mutex, PoisonError};
 
 /// Bodies in a unit.
 const BODIES: usize = 128;
@@ -20,77 +21,91 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     world.fields.time = world.time();
 }
 
-/// What a unit of bodies found out about their bounds.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Moves {
-    /// By row: how far it may still go.
-    rooms: Vec<f32>,
-    /// Shapes that left their fat bounds, and new ones.
-    left: Vec<(u32, Aabb)>,
+/// What left its bounds among a unit of bodies.
+#[derive(Debug, Default)]
+pub(crate) struct Moves(Vec<Mutex<Left>>);
+
+impl Clone for Moves {
+    /// Memory, not state: a clone starts without.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+#[derive(Debug, Default)]
+struct Left {
+    /// Shapes that left their fat bounds: slot, leaf and new bounds.
+    bounded: Vec<(u32, u32, Aabb)>,
     unbounded: Vec<u32>,
 }
 
 /// Moves the fat bounds of shapes that left theirs.
 fn bounds(world: &mut World, step: &Step) {
-    let rows = world.awake.step.len();
-    let units = rows.div_ceil(BODIES);
+    let mut steps = core::mem::take(&mut world.awake.step);
     let mut moves = core::mem::take(&mut world.scratch.bounds);
-    moves.resize_with(units.max(moves.len()), Moves::default);
+    let units = steps.len().div_ceil(BODIES);
+    moves.0.resize_with(units.max(moves.0.len()), Mutex::default);
     let shared: &World = world;
-    shared.tasks.for_each(&mut moves[..units], 1, |unit, m| {
-        m.rooms.clear();
-        m.left.clear();
-        m.unbounded.clear();
-        for row in unit * BODIES..rows.min((unit + 1) * BODIES) {
-            let room = look(shared, step, row, m);
-            m.rooms.push(room);
+    let lists = &moves.0;
+    shared.tasks.for_each_chunk(&mut steps, BODIES, |first, chunk| {
+        // A unit locks its own list, so no lock is ever waited for.
+        let mut left = lists[first / BODIES].lock().unwrap_or_else(PoisonError::into_inner);
+        left.bounded.clear();
+        left.unbounded.clear();
+        for (i, b) in chunk.iter_mut().enumerate() {
+            b.room = look(shared, step, b, shared.awake.state[first + i].v(), &mut left);
         }
     });
-    let rooms = moves[..units].iter().flat_map(|m| &m.rooms);
-    world.awake.step.iter_mut().zip(rooms).for_each(|(b, room)| b.room = *room);
-    for m in &moves[..units] {
-        m.unbounded.iter().for_each(|&s| world.mark_moved(s));
-        for &(s, fat) in &m.left {
+    world.awake.step = steps;
+    let mut count = 0;
+    for left in &mut moves.0[..units] {
+        let left = left.get_mut().unwrap_or_else(PoisonError::into_inner);
+        count += left.bounded.len();
+        left.unbounded.iter().for_each(|&s| world.mark_moved(s));
+        for &(s, _, fat) in &left.bounded {
             world.fat[s as usize] = fat;
-            if let Place::MovingTree(leaf) = world.shapes[s].place {
-                world.moving_tree.enlarge(leaf, fat);
-            }
-            world.mark_moved(s);
+            world.list_moved(s);
         }
     }
+    let left = moves.0[..units].iter_mut().map(|l| l.get_mut().unwrap_or_else(PoisonError::into_inner));
+    let leaves = left.flat_map(|l| &l.bounded).map(|&(_, leaf, fat)| (leaf, fat));
+    world.moving_tree.enlarge_all(count, leaves);
     world.scratch.bounds = moves;
-    world.moving_tree.tidy();
 }
 
 /// The room that a body still has; what left its bounds goes into the list. What has not moved as far as it has room is not looked at.
-fn look(world: &World, step: &Step, row: usize, m: &mut Moves) -> f32 {
-    let b = &world.awake.step[row];
-    let body = &world.bodies[b.body];
-    // Bouncing pairs must be seen a step ahead.
-    let far = world.bouncy > 0 || body.looks_ahead();
-    let ahead = if far { world.awake.state[row].v() * step.dt } else { Vec3::ZERO };
-    let room = b.room - moved(&world.frames[b.body as usize], body.mass.outer_radius);
+fn look(world: &World, step: &Step, b: &BodyStep, v: Vec3, left: &mut Left) -> f32 {
+    let room = b.room - moved(&world.frames[b.body as usize], b.radius);
+    let ahead = v * step.dt;
+    // Room for a step ahead, which most have, will do for those that do not look ahead, too.
     if room > ahead.length() {
         return room;
     }
+    let body = &world.bodies[b.body];
+    // Bouncing pairs must be seen a step ahead.
+    let far = world.bouncy > 0 || body.looks_ahead();
+    if !far && room > 0.0 {
+        return room;
+    }
+    let ahead = if far { ahead } else { Vec3::ZERO };
     let mut room = f32::INFINITY;
     for &s in &body.shapes {
         let r = &world.shapes[s];
-        match r.place {
-            Place::MovingTree(_) => {}
+        let leaf = match r.place {
+            Place::MovingTree(leaf) => leaf,
             Place::Unbounded => {
-                m.unbounded.push(s);
+                left.unbounded.push(s);
                 room = 0.0;
                 continue;
             }
             _ => continue,
-        }
+        };
         let tight = world.tight_bounds(s);
         let next = tight.union(&Aabb::new(tight.min + ahead, tight.max + ahead));
         let mut fat = world.fat[s as usize];
         if !fat.contains(&next) {
             fat = next.expanded(margin_of(&next, world.settings.length_unit));
-            m.left.push((s, fat));
+            left.bounded.push((s, leaf, fat));
         }
         // The radius is that of the solid shapes.
         room = f32s::min(room, if r.sensor { 0.0 } else { slack(&fat, &tight) });
@@ -114,6 +129,9 @@ fn slack(outer: &Aabb, inner: &Aabb) -> f32 {
 }
 
 fn hits(world: &mut World) {
+    if world.telling == 0 {
+        return;
+    }
     let threshold = world.settings.hit_event_speed;
     for row in 0..world.contacts.len() {
         let c = &world.contacts[row];

@@ -1,16 +1,29 @@
 //! Puts islands at rest to sleep.
 //!
 //! An island is a set of dynamic bodies joined by touching contacts. It sleeps when every one of its bodies has
-//! rested for `Settings::sleep_time_s`, and none touches a moving kinematic body or a moving surface. Found by
-//! union–find over the awake contacts, only in steps in which some body has rested long enough; so it needs no
-//! memory between steps.
+//! rested for `Settings::sleep_time_s`, and none touches a moving kinematic body or a moving surface. Found by a walk from each body that
+//! has rested long enough over those it hangs together with, which ends at the first that has not, or that hangs together with one; so it
+//! needs no memory between steps, and looks at little where most is awake.
 
 use super::Step;
-use crate::groups::{root, unite};
+use crate::room::contacts::state::{Contact, ContactPlace};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
-use jounce_math::{Vec3, scalar::f32s};
+use jounce_math::Vec3;
+
+/// What is known of an awake row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rest {
+    /// Has not rested, or hangs together with one that has not.
+    Stirs,
+    /// Has rested; nothing is known of those it hangs together with.
+    Rests,
+    /// Of the island that the walk is at, or of one that falls asleep.
+    Seen,
+    /// Joins nothing.
+    Kinematic,
+}
 
 pub(crate) fn run(world: &mut World, _: &Step) {
     let needed = world.settings.sleep_time_s;
@@ -18,45 +31,28 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         return;
     }
     keep_awake(world);
-    let n = world.awake.step.len();
-    let mut parent = core::mem::take(&mut world.scratch.parent);
-    parent.clear();
-    parent.extend(0..n as u32);
-    for c in world.contacts.iter().filter(|c| c.touching) {
-        let (a, b) = (dynamic_row(world, c.body_a), dynamic_row(world, c.body_b));
-        if a != NONE && b != NONE {
-            unite(&mut parent, a, b);
-        }
-    }
-    let awake = world.awake.step.iter().flat_map(|b| &world.bodies[b.body].joints);
-    for j in awake.map(|&id| &world.joints.table[id]).filter(|j| j.acts()) {
-        let (a, b) = (dynamic_row(world, j.body_a), dynamic_row(world, j.body_b));
-        if a != NONE && b != NONE {
-            unite(&mut parent, a, b);
-        }
-    }
-    for (_, v) in world.vehicles.table.iter().filter(|(_, v)| v.enabled) {
-        let a = dynamic_row(world, v.chassis);
-        for w in v.feet().filter(|w| w.ground != NONE) {
-            let b = dynamic_row(world, w.ground);
-            if a != NONE && b != NONE {
-                unite(&mut parent, a, b);
-            }
-        }
-    }
     let mut rest = core::mem::take(&mut world.scratch.rest);
-    rest.clear();
-    rest.resize(n, f32::MAX);
-    for i in 0..n {
-        let r = root(&mut parent, i as u32) as usize;
-        rest[r] = f32s::min(rest[r], world.awake.step[i].sleep_timer);
-    }
+    let mut island = core::mem::take(&mut world.scratch.island);
     let mut resting = core::mem::take(&mut world.scratch.resting);
+    let mut wheels = core::mem::take(&mut world.scratch.wheels);
+    rest.clear();
     resting.clear();
-    for i in 0..n {
-        let r = root(&mut parent, i as u32);
-        if rest[r as usize] >= needed {
-            resting.push((r, i as u32, world.awake.step[i].body));
+    rest.extend(world.awake.step.iter().map(|b| match b.kind {
+        BodyKind::Dynamic if b.sleep_timer >= needed => Rest::Rests,
+        BodyKind::Dynamic => Rest::Stirs,
+        _ => Rest::Kinematic,
+    }));
+    stands_on(world, &mut wheels);
+    for (first, b) in world.awake.step.iter().enumerate() {
+        let first = first as u32;
+        match rest[first as usize] {
+            Rest::Kinematic if b.sleep_timer >= needed => resting.push((first, first, b.body)),
+            Rest::Rests => {
+                if walk(world, &wheels, first, &mut rest, &mut island) {
+                    resting.extend(island.iter().map(|&r| (first, r, world.awake.step[r as usize].body)));
+                }
+            }
+            _ => {}
         }
     }
     resting.sort_unstable();
@@ -65,32 +61,110 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         bodies.extend(island.iter().map(|&(_, _, body)| body));
         world.sleep_bodies(bodies);
     }
-    (world.scratch.parent, world.scratch.rest, world.scratch.resting) = (parent, rest, resting);
+    let scratch = &mut world.scratch;
+    (scratch.rest, scratch.island, scratch.resting, scratch.wheels) = (rest, island, resting, wheels);
 }
 
-fn dynamic_row(world: &World, body: u32) -> u32 {
-    let row = world.frames[body as usize].row;
-    if row != NONE && world.awake.step[row as usize].kind == BodyKind::Dynamic { row } else { NONE }
+/// Collects the island of a body at rest; false where some of it stirs.
+fn walk(
+    world: &World,
+    wheels: &[(u32, u32)],
+    first: u32,
+    rest: &mut [Rest],
+    island: &mut Vec<u32>,
+) -> bool {
+    island.clear();
+    island.push(first);
+    rest[first as usize] = Rest::Seen;
+    let mut next = 0;
+    let asleep = loop {
+        let Some(&row) = island.get(next) else { break true };
+        next += 1;
+        let slot = world.awake.step[row as usize].body;
+        // True where the body stirs.
+        let mut meet = |other: u32| {
+            let other = world.frames[other as usize].row;
+            match rest.get_mut(other as usize) {
+                Some(Rest::Stirs) => return true,
+                Some(r @ Rest::Rests) => {
+                    *r = Rest::Seen;
+                    island.push(other);
+                }
+                _ => {}
+            }
+            false
+        };
+        let body = &world.bodies[slot];
+        let on = wheels.partition_point(|w| w.0 < slot);
+        let stirs = body.contacts.iter().any(|&id| {
+            let c = contact(world, id);
+            c.is_some_and(|c| c.touching && meet(if c.body_a == slot { c.body_b } else { c.body_a }))
+        }) || body.joints.iter().any(|&id| {
+            let j = &world.joints.table[id];
+            j.acts() && meet(if j.body_a == slot { j.body_b } else { j.body_a })
+        }) || wheels[on..].iter().take_while(|w| w.0 == slot).any(|w| meet(w.1));
+        if stirs {
+            break false;
+        }
+    };
+    if !asleep {
+        island.iter().for_each(|&r| rest[r as usize] = Rest::Stirs);
+    }
+    asleep
+}
+
+fn contact(world: &World, id: u32) -> Option<&Contact> {
+    match world.places[id as usize] {
+        ContactPlace::Awake(row) => Some(&world.contacts[row as usize]),
+        _ => None,
+    }
+}
+
+/// Vehicles and what is under their wheels, both ways, in order.
+fn stands_on(world: &World, wheels: &mut Vec<(u32, u32)>) {
+    wheels.clear();
+    for (_, v) in world.vehicles.table.iter().filter(|(_, v)| v.enabled) {
+        for w in v.feet().filter(|w| w.ground != NONE) {
+            wheels.extend([(v.chassis, w.ground), (w.ground, v.chassis)]);
+        }
+    }
+    wheels.sort_unstable();
 }
 
 /// Bodies on a moving surface, or touched by a moving kinematic body, are not at rest.
 fn keep_awake(world: &mut World) {
-    for c in &world.contacts {
-        if !c.touching {
+    if world.running > 0 {
+        for row in 0..world.contacts.len() {
+            let c = &world.contacts[row];
+            if c.touching && c.manifolds().any(|m| m.surface.velocity != Vec3::ZERO) {
+                stir(world, row);
+            }
+        }
+    }
+    for row in 0..world.awake.step.len() {
+        let (s, b) = (&world.awake.state[row], &world.awake.step[row]);
+        if b.kind != BodyKind::Kinematic || (s.v() == Vec3::ZERO && s.w() == Vec3::ZERO) {
             continue;
         }
-        let rows = [c.body_a, c.body_b].map(|b| world.frames[b as usize].row);
-        let carried = c.manifolds().any(|m| m.surface.velocity != Vec3::ZERO);
-        let pushed = rows.iter().any(|&r| {
-            r != NONE && {
-                let (s, b) = (&world.awake.state[r as usize], &world.awake.step[r as usize]);
-                b.kind == BodyKind::Kinematic && (s.v() != Vec3::ZERO || s.w() != Vec3::ZERO)
+        let body = b.body;
+        for i in 0..world.bodies[body].contacts.len() {
+            let id = world.bodies[body].contacts[i];
+            if let ContactPlace::Awake(row) = world.places[id as usize]
+                && world.contacts[row as usize].touching
+            {
+                stir(world, row as usize);
             }
-        });
-        if carried || pushed {
-            for r in rows.into_iter().filter(|&r| r != NONE) {
-                world.awake.step[r as usize].sleep_timer = 0.0;
-            }
+        }
+    }
+}
+
+/// The two bodies of a contact are not at rest.
+fn stir(world: &mut World, contact: usize) {
+    let c = &world.contacts[contact];
+    for body in [c.body_a, c.body_b] {
+        let row = world.frames[body as usize].row;
+        if let Some(b) = world.awake.step.get_mut(row as usize) {
+            b.sleep_timer = 0.0;
         }
     }
 }

@@ -40,8 +40,6 @@ pub(crate) struct ShapeRecord {
     pub volume: f32,
     pub ball_radius: f32,
     pub place: Place,
-    /// In the move buffer.
-    pub moved: bool,
     /// Smallest thickness, metres: sets the slop.
     pub thickness: f32,
     /// Sensors: visitor shape slots with generation, sorted.

@@ -218,6 +218,8 @@ pub(crate) struct BodyStep {
     pub guided: bool,
     /// How far any of its points may still go before one of its shapes could leave its fat bounds, m.
     pub room: f32,
+    /// A copy of [`Mass::outer_radius`].
+    pub radius: f32,
 }
 
 /// Torque-free motion in full precision, of bodies with unequal moments: reused as long as the rounded values that the rest
