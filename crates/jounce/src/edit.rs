@@ -14,6 +14,7 @@ use crate::room::rigid::desc::{self, AxisLocks, BodyDesc, BodyKind};
 use crate::room::rigid::mass;
 use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, NONE, lock_bits};
 use crate::stage::broadphase::{NEVER, Tag};
+use crate::stage::publish::moved;
 use crate::world::World;
 use jounce_geometry::{Aabb, MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose, scalar::f32s};
@@ -113,6 +114,7 @@ impl World {
                 self.wake_all();
                 // How far ahead they look may be another now.
                 self.contacts.iter_mut().for_each(|c| c.tested = false);
+                self.heads.iter_mut().for_each(|h| h.until = f64::NEG_INFINITY);
             }
         }
         Ok(Output::Done)
@@ -154,6 +156,7 @@ impl World {
         let (slot, generation) = self.bodies.insert(body);
         if self.frames.len() <= slot as usize {
             self.frames.resize(slot as usize + 1, BodyFrame::default());
+            self.travel.resize(slot as usize + 1, 0.0);
         }
         let mut frame = BodyFrame { row: NONE, ..BodyFrame::default() };
         frame.place(d.position, d.rotation.normalize());
@@ -597,6 +600,7 @@ impl World {
             target: None,
             guided: false,
             room: 0.0,
+            moved: 0.0,
             radius: 0.0,
         });
         self.awake.turning.push(None);
@@ -608,6 +612,8 @@ impl World {
     /// Drops a body's row, keeping its velocity in the record; the last row takes its place.
     pub(crate) fn remove_row(&mut self, slot: u32) {
         let row = self.bodies[slot].row as usize;
+        let radius = self.bodies[slot].mass.outer_radius;
+        self.travel[slot as usize] += f64::from(moved(&self.frames[slot as usize], radius));
         let state = self.awake.state.swap_remove(row);
         self.awake.step.swap_remove(row);
         self.awake.turning.swap_remove(row);

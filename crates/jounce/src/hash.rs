@@ -102,6 +102,7 @@ impl World {
             h.vec3(s.torque);
             h.floats(s.sleep_timer, t.xx);
             h.floats(s.raised, t.inv_mass);
+            h.floats(s.moved, 0.0);
             h.pair(
                 u32::from(s.guided) | (u32::from(s.halted) << 1),
                 u32::from(turning.is_some()) | (u32::from(s.target.is_some()) << 1),
@@ -127,6 +128,10 @@ impl World {
         for (place, rows) in [(0, &self.contacts), (1, &self.asleep_contacts)] {
             h.pair(place, rows.len() as u32);
             rows.iter().for_each(|c| hash_contact(&mut h, c));
+        }
+        for x in &self.heads {
+            let [a, b] = x.bodies.map(|b| self.travel[b as usize]);
+            h.double(if x.until.is_finite() { x.until - (a + b) } else { -1.0 });
         }
         for &id in &self.free_contacts {
             h.pair(id, 2);

@@ -1,7 +1,7 @@
 //! Sleeping and waking: moving rows between the awake columns and the records.
 
 use crate::event::Event;
-use crate::room::contacts::state::{Contact, ContactPlace, Place};
+use crate::room::contacts::state::{Contact, ContactPlace, PairHead, Place};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::stage::broadphase::{may_meet, near_plane};
@@ -163,10 +163,12 @@ impl World {
     fn move_contact_awake(&mut self, row: u32) {
         let c = take_row(&mut self.asleep_contacts, &mut self.places, row, ContactPlace::Asleep);
         self.places[c.id as usize] = ContactPlace::Awake(self.contacts.len() as u32);
+        self.heads.push(PairHead::new(&c));
         self.contacts.push(c);
     }
 
     fn move_contact_asleep(&mut self, row: u32) {
+        self.heads.swap_remove(row as usize);
         let c = take_row(&mut self.contacts, &mut self.places, row, ContactPlace::Awake);
         self.places[c.id as usize] = ContactPlace::Asleep(self.asleep_contacts.len() as u32);
         self.asleep_contacts.push(c);
@@ -198,6 +200,7 @@ impl World {
             return;
         }
         self.places[id as usize] = ContactPlace::Awake(self.contacts.len() as u32);
+        self.heads.push(PairHead::new(&c));
         self.contacts.push(c);
     }
 
@@ -229,6 +232,7 @@ impl World {
         let c = match self.places[id as usize] {
             ContactPlace::Free => return,
             ContactPlace::Awake(row) => {
+                self.heads.swap_remove(row as usize);
                 take_row(&mut self.contacts, &mut self.places, row, ContactPlace::Awake)
             }
             ContactPlace::Asleep(row) => {
@@ -308,11 +312,17 @@ impl World {
             for c in self.contacts.iter_mut().chain(&mut self.asleep_contacts) {
                 c.tested &= c.body_a != body && c.body_b != body;
             }
+            for h in self.heads.iter_mut().filter(|h| h.bodies.contains(&body)) {
+                h.until = f64::NEG_INFINITY;
+            }
             return;
         }
         for &id in &self.bodies[body].contacts {
             match self.places[id as usize] {
-                ContactPlace::Awake(row) => self.contacts[row as usize].tested = false,
+                ContactPlace::Awake(row) => {
+                    self.contacts[row as usize].tested = false;
+                    self.heads[row as usize].until = f64::NEG_INFINITY;
+                }
                 ContactPlace::Asleep(row) => self.asleep_contacts[row as usize].tested = false,
                 ContactPlace::Free => {}
             }

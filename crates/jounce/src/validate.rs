@@ -1,6 +1,6 @@
 //! The whole-world validator: every table agrees with every other. Debug builds only.
 
-use crate::room::contacts::state::{ContactPlace, Place};
+use crate::room::contacts::state::{ContactPlace, PairHead, Place};
 use crate::room::rigid::state::NONE;
 use crate::step::Stage;
 use crate::table::pair_key;
@@ -70,6 +70,11 @@ impl World {
             }
         }
         assert_eq!(self.pairs.len(), self.contacts.len() + self.asleep_contacts.len());
+        assert_eq!(self.heads.len(), self.contacts.len());
+        for (c, h) in self.contacts.iter().zip(&self.heads) {
+            assert_eq!(*h, PairHead { until: h.until, ..PairHead::new(c) }, "head of contact {}", c.id);
+            assert!(!(c.touching && h.until > 0.0), "contact {} touches and is apart", c.id);
+        }
         for (slot, v) in self.vehicles.table.iter() {
             assert_eq!(self.bodies[v.chassis].vehicle, slot, "vehicle {slot} is of its chassis");
         }

@@ -7,7 +7,7 @@ use crate::handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, V
 use crate::hooks::Hooks;
 use crate::room::characters::desc::{CharacterDesc, CharacterInput};
 use crate::room::characters::state::Characters;
-use crate::room::contacts::state::{Contact, ContactPlace, ShapeRecord};
+use crate::room::contacts::state::{Contact, ContactPlace, PairHead, ShapeRecord};
 use crate::room::fields::state::Fields;
 use crate::room::joints::state::Joints;
 use crate::room::particles::state::Particles;
@@ -67,7 +67,11 @@ pub struct World {
     pub(crate) free_contacts: Vec<u32>,
     /// Contacts with an awake body, dense.
     pub(crate) contacts: Vec<Contact>,
+    /// Beside `contacts`, row by row.
+    pub(crate) heads: Vec<PairHead>,
     pub(crate) asleep_contacts: Vec<Contact>,
+    /// By body: the way that the farthest of its points has made over all steps, at most, m.
+    pub(crate) travel: Vec<f64>,
 
     pub(crate) fields: Fields,
     pub(crate) particles: Particles,
@@ -221,7 +225,9 @@ impl World {
             places: Vec::new(),
             free_contacts: Vec::new(),
             contacts: Vec::new(),
+            heads: Vec::new(),
             asleep_contacts: Vec::new(),
+            travel: Vec::new(),
             fields: Fields::default(),
             particles: Particles::default(),
             joints: Joints::default(),

@@ -43,6 +43,27 @@ impl Tasks {
         });
     }
 
+    /// The same over two columns of equal length.
+    ///
+    /// # Panics
+    /// If their lengths differ.
+    pub fn for_each_chunk2<T: Send, U: Send>(
+        &self,
+        (a, b): (&mut [T], &mut [U]),
+        chunk: usize,
+        f: impl Fn(usize, &mut [T], &mut [U]) + Sync,
+    ) {
+        assert_eq!(a.len(), b.len(), "columns of different lengths");
+        let (len, chunk) = (a.len(), chunk.max(1));
+        let (a, b) = (Base(a.as_mut_ptr()), Base(b.as_mut_ptr()));
+        let (a, b) = (&a, &b);
+        self.run(len.div_ceil(chunk), &|unit| {
+            let range = range(unit, chunk, len);
+            // SAFETY: as in `for_each_chunk`, for each of the slices; their lengths are equal.
+            f(range.start, unsafe { a.piece(&range) }, unsafe { b.piece(&range) });
+        });
+    }
+
     /// Calls `f(index, element)` for every element; `chunk` elements make a unit.
     pub fn for_each<T: Send>(&self, items: &mut [T], chunk: usize, f: impl Fn(usize, &mut T) + Sync) {
         self.for_each_chunk(items, chunk, |first, part| {

@@ -229,9 +229,10 @@ impl Found<'_> {
             return false;
         }
         let planes = || world.unbounded.iter().copied();
-        group.slots().iter().all(|&s| {
-            planes().all(|plane| !near_plane(world, plane, s) || self.see(s, plane))
-        })
+        group
+            .slots()
+            .iter()
+            .all(|&s| planes().all(|plane| !near_plane(world, plane, s) || self.see(s, plane)))
     }
     /// What those members of a group that are in a mask meet in a tree.
     fn among(&mut self, tree: &Bvh, group: &Group, members: u32) -> bool {

@@ -14,6 +14,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         let f = &mut world.frames[b.body as usize];
         f.reset_interpolation();
         s.rewind();
+        world.travel[b.body as usize] += f64::from(core::mem::take(&mut b.moved));
         match b.kind {
             BodyKind::Kinematic => aim(s, b, f, step.dt),
             _ => {

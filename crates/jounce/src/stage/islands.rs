@@ -41,6 +41,8 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             continue;
         }
         c.touching = c.now_touching;
+        c.hit_speed = 0.0;
+        world.heads[row].touching = c.touching;
         let (a, b, sa, sb) = (c.body_a, c.body_b, c.shape_a, c.shape_b);
         if !c.touching {
             world.report_end(sa, sb);

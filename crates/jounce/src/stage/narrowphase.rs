@@ -18,21 +18,28 @@ pub(super) const CHUNK: usize = 64;
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
-    let mut contacts = core::mem::take(&mut world.contacts);
+    let (mut contacts, mut heads) = (core::mem::take(&mut world.contacts), core::mem::take(&mut world.heads));
     let units = contacts.len().div_ceil(CHUNK);
     world.scratch.sets.at_least(units);
     world.scratch.news.at_least(units);
     let shared: &World = world;
-    shared.tasks.for_each_chunk(&mut contacts, CHUNK, |first, chunk| {
+    let columns = (&mut contacts[..], &mut heads[..]);
+    shared.tasks.for_each_chunk2(columns, CHUNK, |first, chunk, heads| {
         let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
         let mut news = 0;
-        for (i, c) in chunk.iter_mut().enumerate() {
-            update(shared, c, &mut set, step.dt);
+        for (i, (c, h)) in chunk.iter_mut().zip(heads).enumerate() {
+            let [a, b] = h.bodies.map(|b| shared.travel[b as usize]);
+            if a + b < h.until && shared.fat[h.shapes[0] as usize].overlaps(&shared.fat[h.shapes[1] as usize])
+            {
+                continue;
+            }
+            let room = update(shared, c, &mut set, step.dt);
+            h.until = if room > 0.0 { a + b + f64::from(room) * 0.9999 } else { f64::NEG_INFINITY };
             news |= u64::from(c.apart || c.now_touching != c.touching) << i;
         }
         shared.scratch.news.0[first / CHUNK].store(news, Ordering::Relaxed);
     });
-    world.contacts = contacts;
+    (world.contacts, world.heads) = (contacts, heads);
 }
 
 /// Two points nearer than a centimetre (squared) may be one.
@@ -45,15 +52,18 @@ pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
     Pose::new(fa.rotation.inverse_rotate(d), fa.rotation.inverse_mul(fb.rotation))
 }
 
-fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
+/// Gives how far the two may still come together before they need to be looked at, m; 0 where they are near.
+fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) -> f32 {
     c.apart = !bounds_meet(world, c);
     if c.apart {
         c.now_touching = false;
-        return;
+        return 0.0;
     }
     let pose = relative_pose(world, c);
-    if !recycle(world, c, &pose) {
+    let mut room = 0.0;
+    if !recycle(world, c, &pose, &mut room) {
         test(world, c, &pose, set, dt);
+        room = c.spare;
     }
     if let Some((_, hook)) = &world.hooks.contact {
         ask_hook(world, c, hook.as_ref());
@@ -63,6 +73,9 @@ fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
     let points = |m: &ContactManifold| m.points.into_iter().take(usize::from(m.count));
     let deep = c.manifolds().flat_map(points).any(|p| p.separation < limit);
     c.deep = deep;
+    // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
+    let keeps = world.settings.recycle_contacts && world.hooks.contact.is_none() && c.planes == [false; 2];
+    if keeps && c.manifold.count == 0 { room } else { 0.0 }
 }
 
 fn bounds_meet(world: &World, c: &Contact) -> bool {
@@ -74,7 +87,7 @@ fn bounds_meet(world: &World, c: &Contact) -> bool {
 }
 
 /// Keeps the manifolds of the last test when the pair moved less than the tolerance since; only the gaps are new.
-fn recycle(world: &World, c: &mut Contact, pose: &Pose) -> bool {
+fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32) -> bool {
     if !c.tested || !world.settings.recycle_contacts || world.hooks.contact.is_some() {
         return false;
     }
@@ -82,6 +95,7 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose) -> bool {
     let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
     let moved = moved + 2.0 * turn * c.extent_b;
     if c.spare > moved * (1.0 + 1e-5) {
+        *room = c.spare - moved;
         return true;
     }
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);

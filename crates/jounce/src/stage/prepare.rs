@@ -49,7 +49,16 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
     let (awake, items) = (&mut world.awake, &world.scratch.items);
-    load::raise(&world.contacts, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
+    load::raise(
+        &world.contacts,
+        &world.heads,
+        |b| items[b as usize],
+        awake,
+        jointed,
+        hangs,
+        &mut loads,
+        numbers,
+    );
     world.scratch.loads = loads;
 }
 
@@ -97,15 +106,16 @@ fn color(world: &mut World) {
     scratch.colors.reset(world.awake.state.len());
     scratch.rows.clear();
     scratch.deep.clear();
-    for (i, c) in world.contacts.iter_mut().enumerate() {
-        if !c.touching {
+    for (i, h) in world.heads.iter().enumerate() {
+        if !h.touching {
             continue;
         }
+        let c = &mut world.contacts[i];
         c.share = 1.0;
         if c.deep {
             scratch.deep.push(i as u32);
         }
-        let (a, b) = (scratch.items[c.body_a as usize], scratch.items[c.body_b as usize]);
+        let (a, b) = (scratch.items[h.bodies[0] as usize], scratch.items[h.bodies[1] as usize]);
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.
         if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
             c.manifolds_mut().for_each(|m| m.row = NONE);

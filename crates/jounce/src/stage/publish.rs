@@ -53,6 +53,7 @@ fn bounds(world: &mut World, step: &Step) {
         left.bounded.clear();
         left.unbounded.clear();
         for (i, b) in chunk.iter_mut().enumerate() {
+            b.moved = moved(&shared.frames[b.body as usize], b.radius);
             b.room = look(shared, step, b, shared.awake.state[first + i].v(), &mut left);
         }
     });
@@ -75,7 +76,7 @@ fn bounds(world: &mut World, step: &Step) {
 
 /// The room that a body still has; what left its bounds goes into the list. What has not moved as far as it has room is not looked at.
 fn look(world: &World, step: &Step, b: &BodyStep, v: Vec3, left: &mut Left) -> f32 {
-    let room = b.room - moved(&world.frames[b.body as usize], b.radius);
+    let room = b.room - b.moved;
     let ahead = v * step.dt;
     // Room for a step ahead, which most have, will do for those that do not look ahead, too.
     if room > ahead.length() {
@@ -114,7 +115,7 @@ fn look(world: &World, step: &Step, b: &BodyStep, v: Vec3, left: &mut Left) -> f
 }
 
 /// How far the farthest point of a body went in the step, at most, m.
-fn moved(f: &BodyFrame, radius: f32) -> f32 {
+pub(crate) fn moved(f: &BodyFrame, radius: f32) -> f32 {
     let way = (f.center - f.center0).length() as f32;
     // A turn by θ moves a point by 2 R sin(θ/2), which is the vector part of its quaternion.
     let turn = (f.rotation * f.rotation0.conjugate()).xyz().length();

@@ -175,7 +175,11 @@ mod tests {
             }
             for w in Width::ALL {
                 assert_eq!(dispatch(w, Kernel { block: &block, group: &group }), want, "{w}");
-                assert_eq!(dispatch_arrays(w, Kernel { block: &block, group: &group }), want, "arrays of {w}");
+                assert_eq!(
+                    dispatch_arrays(w, Kernel { block: &block, group: &group }),
+                    want,
+                    "arrays of {w}"
+                );
             }
         }
     }

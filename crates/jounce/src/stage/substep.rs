@@ -53,10 +53,13 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     collect(world);
     let stick_speed = world.settings.stick_speed;
     let mut contacts = core::mem::take(&mut world.contacts);
-    let blocks = &world.scratch.blocks;
-    world.tasks.for_each(&mut contacts, CONTACTS, |_, c| {
+    let (blocks, heads) = (&world.scratch.blocks, &world.heads);
+    world.tasks.for_each(&mut contacts, CONTACTS, |i, c| {
+        if !heads.get(i).is_some_and(|h| h.touching) {
+            return;
+        }
         c.hit_speed = 0.0;
-        if !c.touching || c.manifold.row == NONE {
+        if c.manifold.row == NONE {
             return;
         }
         let mut fastest = 0.0;

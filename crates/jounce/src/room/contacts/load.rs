@@ -18,7 +18,7 @@
 //! What is given up: a squeezed body reacts to a *net* impulse as if it had the mass m′. Bodies on joints are never treated: joints
 //! are solved rigidly, and a bone that weighs tons for a step throws those it hangs on.
 
-use super::state::Contact;
+use super::state::{Contact, PairHead};
 use crate::groups::{root, unite};
 use crate::room::rigid::state::Awake;
 use jounce_math::{Vec3, scalar::f32s};
@@ -49,6 +49,7 @@ pub(crate) struct Loads {
 /// in the awake columns, or beyond them.
 pub(crate) fn raise(
     contacts: &[Contact],
+    heads: &[PairHead],
     row: impl Fn(u32) -> u32,
     awake: &mut Awake,
     jointed: impl Fn(u32) -> bool,
@@ -59,7 +60,7 @@ pub(crate) fn raise(
     let Loads { sums, parent, groups } = loads;
     sums.clear();
     sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
-    for c in contacts.iter().filter(|c| c.touching) {
+    for (c, _) in contacts.iter().zip(heads).filter(|(_, h)| h.touching) {
         let rows = [row(c.body_a), row(c.body_b)];
         for m in c.manifolds().filter(|m| m.total != 0.0) {
             for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
@@ -89,8 +90,8 @@ pub(crate) fn raise(
         parent.clear();
         parent.extend(0..sums.len() as u32);
         // Those too that push for the first time in this step.
-        let pairs = contacts.iter().filter(|c| c.touching || c.now_touching);
-        let pairs = pairs.map(|c| [c.body_a, c.body_b].map(&row));
+        let pairs = heads.iter().filter(|h| h.touching);
+        let pairs = pairs.map(|h| h.bodies.map(&row));
         for [a, b] in pairs.clone().filter(|p| p.iter().all(|&row| moves(row))) {
             unite(parent, a, b);
         }

@@ -168,11 +168,7 @@ struct Bodies<L> {
 #[inline(always)]
 fn times<L: Lanes>(t: &[L; 6], v: Wide3<L>) -> Wide3<L> {
     let [xx, yy, zz, xy, xz, yz] = *t;
-    Wide3::new(
-        xx * v.x + xy * v.y + xz * v.z,
-        xy * v.x + yy * v.y + yz * v.z,
-        xz * v.x + yz * v.y + zz * v.z,
-    )
+    Wide3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
 }
 
 /// Sets a direction's Jacobian; gives J M⁻¹ Jᵀ.
@@ -235,7 +231,8 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
     let [bxx, byy, bzz, bxy, bxz, byz, mb, _] = inertia::<L>(&s.inertia[1], at);
     ma.store(&mut block.inv_mass_a[at..]);
     mb.store(&mut block.inv_mass_b[at..]);
-    let m = Bodies { inertia: [[axx, ayy, azz, axy, axz, ayz], [bxx, byy, bzz, bxy, bxz, byz]], inv: ma + mb };
+    let m =
+        Bodies { inertia: [[axx, ayy, azz, axy, axz, ayz], [bxx, byy, bzz, bxy, bxz, byz]], inv: ma + mb };
     if block.any_rolling {
         for i in 0..6 {
             m.inertia[0][i].store(&mut block.inertia_a[i][at..]);
@@ -255,11 +252,8 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
             |l| s.manifolds[(at + l) % LANES].points[i].lanes(),
         );
         let none = L::zero();
-        let ra = Wide3::new(
-            L::select(there, rx, none),
-            L::select(there, ry, none),
-            L::select(there, rz, none),
-        );
+        let ra =
+            Wide3::new(L::select(there, rx, none), L::select(there, ry, none), L::select(there, rz, none));
         let (gap, old) = (L::select(there, separation, none), L::select(there, impulse * warm, none));
         *arm = ra;
         let present = L::select(there, L::splat(1.0), L::zero());

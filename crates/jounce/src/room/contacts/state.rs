@@ -203,6 +203,28 @@ impl Surface {
     }
 }
 
+/// What every step asks of every awake contact, in a column beside the contacts: most pairs are apart, and are not looked at further.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PairHead {
+    pub shapes: [u32; 2],
+    pub bodies: [u32; 2],
+    /// Sum of the ways of the two bodies (`World::travel`) up to which the pair stays apart for certain, m; −∞ where nothing is certain.
+    pub until: f64,
+    /// A copy of [`Contact::touching`].
+    pub touching: bool,
+}
+
+impl PairHead {
+    pub fn new(c: &Contact) -> Self {
+        Self {
+            shapes: [c.shape_a, c.shape_b],
+            bodies: [c.body_a, c.body_b],
+            until: f64::NEG_INFINITY,
+            touching: c.touching,
+        }
+    }
+}
+
 /// A pair of shapes whose bounds overlap.
 #[derive(Clone, Debug)]
 pub(crate) struct Contact {

@@ -76,10 +76,24 @@ pub(crate) fn prepare<'a>(
     if let Some(inv) = inertia.inverse() {
         m.inv_inertia = inv.as_mat3();
     }
+    let moments = level(moments);
     m.moments = moments;
     m.inv_moments = DVec3::new(1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z);
     m.principal = DQuat::from_mat3(&frame).normalize();
     let (lo, hi) = (moments.min_component(), moments.max_component());
     m.isotropic = hi - lo <= 1e-5 * hi;
     (m, center)
+}
+
+/// Moments that differ by rounding alone are equal.
+fn level(mut m: DVec3) -> DVec3 {
+    let least = 1e-6 * m.max_component();
+    for i in 0..3 {
+        let j = (i + 1) % 3;
+        if (m[i] - m[j]).abs() <= least {
+            m[i] = 0.5 * (m[i] + m[j]);
+            m[j] = m[i];
+        }
+    }
+    m
 }

@@ -216,10 +216,16 @@ fn turn_by(r: DVec3) -> DQuat {
     q
 }
 
-/// Axes of the largest and the smallest moment, and of the middle one.
+/// Axes of the largest and the smallest moment, and of the middle one; of two equal moments one is the middle one.
 #[inline(always)]
 fn outer_axes(m: DVec3) -> (usize, usize, usize) {
-    let middle = if (m.x >= m.y) == (m.x <= m.z) {
+    let middle = if m.x == m.y {
+        0
+    } else if m.y == m.z {
+        1
+    } else if m.z == m.x {
+        2
+    } else if (m.x >= m.y) == (m.x <= m.z) {
         0
     } else if (m.y >= m.x) == (m.y <= m.z) {
         1
@@ -280,9 +286,16 @@ fn torque_free(
     let h64 = f64::from(h);
     let (i, k, middle) = outer_axes(mass.moments);
     let (di, dk) = (inv[i] - inv[middle], inv[k] - inv[middle]);
-    turn_about(i, &mut l, &mut q, di, 0.5 * h64);
-    turn_about(k, &mut l, &mut q, dk, h64);
-    turn_about(i, &mut l, &mut q, di, 0.5 * h64);
+    // With two equal moments there is one turn about an axis of the body, and it is exact.
+    if di == 0.0 {
+        turn_about(k, &mut l, &mut q, dk, h64);
+    } else if dk == 0.0 {
+        turn_about(i, &mut l, &mut q, di, h64);
+    } else {
+        turn_about(i, &mut l, &mut q, di, 0.5 * h64);
+        turn_about(k, &mut l, &mut q, dk, h64);
+        turn_about(i, &mut l, &mut q, di, 0.5 * h64);
+    }
     let q = (turn_by(world * (h64 * inv[middle])) * q).normalize();
     let w = q.rotate(q.inverse_rotate(world).mul(inv));
     s.dr += ((before + w) * (0.5 * h64)).as_vec3();

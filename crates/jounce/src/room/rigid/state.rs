@@ -218,6 +218,8 @@ pub(crate) struct BodyStep {
     pub guided: bool,
     /// How far any of its points may still go before one of its shapes could leave its fat bounds, m.
     pub room: f32,
+    /// How far the farthest of its points went in the last step, at most, m; goes to `World::travel`.
+    pub moved: f32,
     /// A copy of [`Mass::outer_radius`].
     pub radius: f32,
 }
