@@ -146,3 +146,51 @@ impl Clone for Sets {
         Self::default()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Scratch;
+    use crate::{BodyDesc, JointDesc, Material, ShapeDesc, World, WorldDesc};
+
+    /// A world goes on as it would have, whatever earlier steps left in memory that is reused.
+    #[test]
+    fn scratch_is_no_state() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        for (normal, at) in
+            [([0.0, 1.0, 0.0], [0.0; 3]), ([0.8, 0.6, 0.0], [-2.0, 0.0, 0.0]), ([-0.8, 0.6, 0.0], [2.0, 0.0, 0.0])]
+        {
+            let plane = ShapeDesc::half_space(normal.into());
+            w.add_body(BodyDesc::fixed().at(at).shape(plane)).expect("valid");
+        }
+        let mut last = None;
+        for i in 0..60_u32 {
+            let x = f64::from(i * 7 % 5) * 0.5 - 1.0;
+            let z = f64::from(i * 3 % 4) * 0.5 - 0.75;
+            let surface = |restitution: f32, rolling_friction: f32| Material {
+                restitution,
+                rolling_friction,
+                ..Material::default()
+            };
+            let shape = match i % 4 {
+                0 => ShapeDesc::sphere(0.2).material(surface(0.6, 0.01)),
+                1 => ShapeDesc::cuboid([0.2, 0.15, 0.25]).material(surface(0.3, 0.0)),
+                2 => ShapeDesc::capsule(0.15, 0.12).material(surface(0.0, 0.02)),
+                _ => ShapeDesc::cylinder(0.15, 0.2),
+            };
+            let d = BodyDesc::dynamic().at([x, 0.6 + 0.4 * f64::from(i / 4), z]).shape(shape);
+            let at = d.position;
+            let body = w.add_body(d).expect("valid");
+            if let (true, Some((other, there))) = (i % 5 == 1, last) {
+                w.add_joint(JointDesc::ball(other, body, at.lerp(there, 0.5))).expect("valid");
+            }
+            last = Some((body, at));
+        }
+        for step in 0..240 {
+            let mut fresh = w.clone();
+            fresh.scratch = Scratch::default();
+            w.step().expect("valid");
+            fresh.step().expect("valid");
+            assert_eq!(fresh.hash(), w.hash(), "step {step}");
+        }
+    }
+}
