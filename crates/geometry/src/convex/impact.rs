@@ -14,7 +14,7 @@ use super::core::Core;
 use super::distance::cores;
 use super::{Sweep, TimeOfImpact};
 use crate::limits::CAST_ITERATIONS_MAX;
-use crate::pairs::Surface;
+use crate::pairs::{Sieve, Surface};
 use crate::shapes::compound::Compound;
 use crate::{Aabb, Shape};
 use jounce_math::{Pose, Vec3, scalar::f32s};
@@ -95,7 +95,7 @@ impl First {
 
 fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32, max_t: f32) -> TimeOfImpact {
     let mut first = First::new(max_t);
-    let (start, motion) = swept_bounds(sweep, b, target + tolerance);
+    let (start, motion, _) = swept_bounds(sweep, b, target + tolerance);
     let swept = start.union(&Aabb::new(start.min + motion, start.max + motion));
     for (frame, child) in a.children() {
         if !child.aabb(frame).overlaps(&swept) {
@@ -111,17 +111,17 @@ fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32,
     first.answer()
 }
 
-/// A box and its way that cover all of B's positions.
+/// A box and its way that cover all of B's positions; and how far a point may be off the chord of its turn.
 ///
 /// About the centre of mass each point moves on an arc of the angle θ; between its ends it leaves the chord by no more than
 /// r (1 − cos θ/2), with r its distance. So the boxes of the two rotations, and that much around them.
-fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3) {
+fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3, f32) {
     let [from, to] = sweep.center;
     let about = sweep.rotation.map(|q| b.aabb(&Pose::new(-q.rotate(sweep.local_center), q)));
     let cosine = f32s::min(sweep.rotation[0].dot(sweep.rotation[1]).abs(), 1.0);
     let sagitta = b.outer_radius(sweep.local_center) * (1.0 - cosine);
     let turned = about[0].union(&about[1]).expanded(margin + sagitta);
-    (Aabb::new(turned.min + from, turned.max + from), to - from)
+    (Aabb::new(turned.min + from, turned.max + from), to - from, sagitta)
 }
 
 struct Moving<'a> {
@@ -224,10 +224,14 @@ impl Moving<'_> {
 
     fn surface(&self, a: &Surface, b: &Shape, max_t: f32) -> TimeOfImpact {
         let mut first = First::new(max_t);
-        let (bounds, motion) = swept_bounds(self.sweep, b, self.target + self.tolerance);
+        let near = self.target + self.tolerance;
+        let (bounds, motion, sagitta) = swept_bounds(self.sweep, b, near);
         let start = self.sweep.pose(0.0).transform_point(self.core.0.center());
+        let sieve = Sieve::swept(&self.core.0, self.sweep, self.core.1 + near + sagitta, &a.bounds());
         a.sweep(&bounds, motion, max_t, |index, bound| {
-            if let Some(t) = a.facing_corners(index, start)
+            if let Some(t) = a.corners(index)
+                && sieve.passes(&t)
+                && a.faces(index, &t, start)
                 && !self.stays_in_front(a, index, &t, start, bound)
             {
                 first.add(self.convex((Core::Triangle(t), 0.0), bound));

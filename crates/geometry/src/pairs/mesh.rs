@@ -14,6 +14,7 @@ use super::general::{self, Scratch};
 use super::one_point;
 use super::poly::TrianglePoly;
 use super::reduce::reduce;
+use super::sieve::Sieve;
 use super::surface::{Facing, Surface};
 use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
@@ -64,9 +65,10 @@ pub(crate) fn surface_convex(
     a.overlapping(bounds, &mut mesh.triangles);
     mesh.candidates.clear();
     let center = pose.transform_point(b.center());
+    let sieve = Sieve::new(&b.core, pose, b.radius + margin, &a.bounds());
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
-        let Some(m) = triangle(a, &t, b, pose, margin, scratch) else { continue };
+        let Some(m) = triangle(a, &t, &sieve, b, pose, margin, scratch) else { continue };
         add(&mut mesh.candidates, &m, &t, a.name(index));
     }
     let slop = f32s::min(PLANE_SLOP, 0.05 * b.thickness());
@@ -82,6 +84,7 @@ pub(crate) fn surface_convex(
 fn triangle(
     surface: &Surface,
     t: &Facing,
+    sieve: &Sieve,
     b: &Convex,
     pose: &Pose,
     margin: f32,
@@ -91,6 +94,9 @@ fn triangle(
     let low = pose.transform_point(b.core.support(pose.q.inverse_rotate(-n)));
     let over = n.dot(low - t.corners[0]) - b.radius;
     if over > margin {
+        return None;
+    }
+    if !sieve.passes_below(&t.corners, n, f32s::max(-over, 0.0)) {
         return None;
     }
     if matches!(b.core, Core::Point) {

@@ -108,11 +108,9 @@ impl Surface<'_> {
         }
     }
 
-    /// Corners of a triangle, unless it is one-sided and `center` is behind it.
-    pub fn facing_corners(&self, index: u32, center: Vec3) -> Option<[Vec3; 3]> {
-        let t = self.corners(index)?;
-        let front = self.two_sided() || self.normal(index)?.dot(center - t[0]) >= 0.0;
-        front.then_some(t)
+    /// Is a triangle of these corners two-sided, or `center` not behind it?
+    pub fn faces(&self, index: u32, t: &[Vec3; 3], center: Vec3) -> bool {
+        self.two_sided() || self.normal(index).is_some_and(|n| n.dot(center - t[0]) >= 0.0)
     }
 
     /// Corners; `None` for a hole, a degenerate triangle or an index past the end.
