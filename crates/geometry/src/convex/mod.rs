@@ -2,7 +2,7 @@
 
 mod cast;
 pub(crate) mod core;
-mod distance;
+pub(crate) mod distance;
 pub(crate) mod epa;
 pub(crate) mod gjk;
 mod impact;

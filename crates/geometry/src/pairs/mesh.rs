@@ -62,10 +62,19 @@ pub(crate) fn surface_convex(
     (scratch, mesh): (&mut Scratch, &mut MeshScratch),
     out: &mut Vec<Manifold>,
 ) {
-    a.overlapping(bounds, &mut mesh.triangles);
     mesh.candidates.clear();
     let center = pose.transform_point(b.center());
     let sieve = Sieve::new(&b.core, pose, b.radius + margin, &a.bounds());
+    // As deep as it can be with its centre in front.
+    let deepest = b.core.reach() + b.radius;
+    mesh.triangles.clear();
+    a.visit(bounds, |index| {
+        if a.facing(index, center).is_some_and(|t| sieve.passes(&t.corners, t.normal, deepest)) {
+            mesh.triangles.push(index);
+        }
+    });
+    // The tree's shape is an accident of its history.
+    mesh.triangles.sort_unstable();
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
         let Some(m) = triangle(a, &t, &sieve, b, pose, margin, scratch) else { continue };
@@ -96,7 +105,7 @@ fn triangle(
     if over > margin {
         return None;
     }
-    if !sieve.passes_below(&t.corners, n, f32s::max(-over, 0.0)) {
+    if !sieve.passes(&t.corners, n, f32s::max(-over, 0.0)) {
         return None;
     }
     if matches!(b.core, Core::Point) {

@@ -49,23 +49,7 @@ pub(crate) enum Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// Indices of the triangles whose bounds overlap, in rising order.
-    pub fn overlapping(&self, bounds: &Aabb, out: &mut Vec<u32>) {
-        out.clear();
-        match self {
-            Self::Mesh(m) => {
-                m.tree.query(bounds, |t| {
-                    out.push(t);
-                    true
-                });
-                // The tree's shape is an accident of its history.
-                out.sort_unstable();
-            }
-            Self::HeightField(h) => h.overlapping(bounds, |t| out.push(t)),
-        }
-    }
-
-    /// Calls `f` with each of those triangles, in no order that matters.
+    /// Calls `f` with each of the triangles whose bounds overlap, in no order that matters.
     pub fn visit(&self, bounds: &Aabb, mut f: impl FnMut(u32)) {
         match self {
             Self::Mesh(m) => m.tree.query(bounds, |t| {
