@@ -100,21 +100,15 @@ impl Surface<'_> {
     /// Corners; `None` for a hole, a degenerate triangle or an index past the end.
     pub fn corners(&self, index: u32) -> Option<[Vec3; 3]> {
         match self {
-            Self::Mesh(m) => {
-                let t = m.triangles.get(index as usize)?;
-                Some([self.vertex(m, t[0])?, self.vertex(m, t[1])?, self.vertex(m, t[2])?])
-            }
+            Self::Mesh(m) => m.patches.get(index as usize).map(|p| p.corners),
             Self::HeightField(h) => h.triangle(index),
         }
-    }
-    fn vertex(&self, m: &TriMesh, v: u32) -> Option<Vec3> {
-        m.vertices.get(v as usize).copied()
     }
 
     /// Unit normal of the front.
     pub fn normal(&self, index: u32) -> Option<Vec3> {
         match self {
-            Self::Mesh(m) => m.normals.get(index as usize).copied(),
+            Self::Mesh(m) => m.patches.get(index as usize).map(|p| p.normal),
             Self::HeightField(_) => {
                 let [a, b, c] = self.corners(index)?;
                 // Never zero: the corners are apart in x and z.
@@ -127,7 +121,7 @@ impl Surface<'_> {
     /// The triangle's number in the list that the surface was built from.
     pub fn name(&self, index: u32) -> u32 {
         match self {
-            Self::Mesh(m) => m.source.get(index as usize).copied().unwrap_or(index),
+            Self::Mesh(m) => m.patches.get(index as usize).map_or(index, |p| p.source),
             Self::HeightField(_) => index,
         }
     }
@@ -139,7 +133,7 @@ impl Surface<'_> {
 
     fn neighbor(&self, index: u32, edge: usize) -> u32 {
         match self {
-            Self::Mesh(m) => m.neighbors.get(index as usize).map_or(NO_SUB, |n| n[edge]),
+            Self::Mesh(m) => m.patches.get(index as usize).map_or(NO_SUB, |p| p.neighbors[edge]),
             Self::HeightField(h) => height_field_neighbor(h, index, edge).unwrap_or(NO_SUB),
         }
     }

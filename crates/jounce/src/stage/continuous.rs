@@ -159,12 +159,18 @@ fn meet(world: &World, [s, other]: [u32; 2], core: &mut Core, set: &mut Manifold
 /// that touches with one end and turns quickly would swing the other, of which the contact does not know, deep in.
 fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, set: &mut ManifoldSet) -> f32 {
     let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
-    let mut depth = |t: f32| {
-        collide(&ra.shape, &rb.shape, &sweep.pose(t), 0.0, &mut PairCache::default(), set);
+    // Of the points nearer than the margin.
+    let mut deepest = |t: f32, margin: f32| {
+        collide(&ra.shape, &rb.shape, &sweep.pose(t), margin, &mut PairCache::default(), set);
         let points = set.manifolds.iter().flat_map(Manifold::points);
         points.fold(0.0, |d, p| f32s::max(d, -p.separation))
     };
     let limit = GRAZE * world.bodies[rb.body].mass.inner_radius;
+    // Nearly all of a surface is found not to be that deep at a first look.
+    if deepest(t, -limit) <= limit {
+        return t;
+    }
+    let mut depth = |t: f32| deepest(t, 0.0);
     let last = depth(t);
     if last <= limit {
         return t;
