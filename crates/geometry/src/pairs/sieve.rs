@@ -11,7 +11,7 @@ const WIDE: usize = 4;
 /// Most directions: of a hull with more faces only so many are asked.
 const DIRECTIONS_MAX: usize = 16;
 /// Directions that a sweep remembers.
-const LEARNED: usize = 8;
+const LEARNED: usize = 16;
 /// Room for rounding, in the largest coordinate at hand.
 const SLACK: f32 = 2e-6;
 /// Half of √3.
