@@ -115,7 +115,7 @@ fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32,
 ///
 /// About the centre of mass each point moves on an arc of the angle θ; between its ends it leaves the chord by no more than
 /// r (1 − cos θ/2), with r its distance. So the boxes of the two rotations, and that much around them.
-fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3, f32) {
+pub(super) fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3, f32) {
     let [from, to] = sweep.center;
     let about = sweep.rotation.map(|q| b.aabb(&Pose::new(-q.rotate(sweep.local_center), q)));
     let cosine = f32s::min(sweep.rotation[0].dot(sweep.rotation[1]).abs(), 1.0);

@@ -7,11 +7,13 @@ pub(crate) mod epa;
 pub(crate) mod gjk;
 mod impact;
 mod over;
+mod shallow;
 
 pub use cast::cast_shape;
 pub use distance::{distance, overlap};
 pub use impact::time_of_impact;
 use jounce_math::{Pose, Quat, Vec3};
+pub use shallow::stays_shallow;
 
 /// Closest points of two shapes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -120,11 +120,25 @@ impl<'a> SweptSieve<'a> {
             && self.own.blocks[..self.own.used].iter().all(|b| passes(b, t))
     }
 
+    /// Does `n` (unit), from the triangle to the shape, part them? Then it is remembered.
+    pub fn parts(&mut self, t: &[Vec3; 3], n: Vec3) -> bool {
+        let limit = swept_reach(&self.core, self.sweep, -n) + self.more;
+        let parts = t.iter().all(|&p| -n.dot(p) > limit);
+        if parts {
+            self.remember(-n, limit);
+        }
+        parts
+    }
+
     /// Remembers that `n` (unit) pointed from a triangle to the shape and parted them.
     pub fn learn(&mut self, n: Vec3) {
         let limit = swept_reach(&self.core, self.sweep, -n) + self.more;
+        self.remember(-n, limit);
+    }
+
+    fn remember(&mut self, d: Vec3, limit: f32) {
         let at = self.next % LEARNED;
-        set(&mut self.learned[at / WIDE], at % WIDE, (-n, limit));
+        set(&mut self.learned[at / WIDE], at % WIDE, (d, limit));
         self.next += 1;
     }
 }

@@ -60,6 +60,19 @@ impl Surface<'_> {
         }
     }
 
+    /// Does `f` hold for all of those triangles? Most of them are not asked after one for which it does not.
+    pub fn all(&self, bounds: &Aabb, mut f: impl FnMut(u32) -> bool) -> bool {
+        let mut all = true;
+        match self {
+            Self::Mesh(m) => m.tree.query(bounds, |t| {
+                all = f(t);
+                all
+            }),
+            Self::HeightField(h) => h.overlapping(bounds, |t| all = all && f(t)),
+        }
+        all
+    }
+
     /// Around the whole surface.
     pub fn bounds(&self) -> Aabb {
         match self {
@@ -94,7 +107,7 @@ impl Surface<'_> {
 
     /// Is a triangle of these corners two-sided, or `center` not behind it?
     pub fn faces(&self, index: u32, t: &[Vec3; 3], center: Vec3) -> bool {
-        self.two_sided() || self.normal(index).is_some_and(|n| n.dot(center - t[0]) >= 0.0)
+        self.is_two_sided() || self.normal(index).is_some_and(|n| n.dot(center - t[0]) >= 0.0)
     }
 
     /// Corners; `None` for a hole, a degenerate triangle or an index past the end.
@@ -138,7 +151,7 @@ impl Surface<'_> {
         }
     }
 
-    fn two_sided(&self) -> bool {
+    pub fn is_two_sided(&self) -> bool {
         matches!(self, Self::Mesh(m) if m.double_sided)
     }
 
@@ -148,7 +161,7 @@ impl Surface<'_> {
         let mut normal = self.normal(index)?;
         let behind = normal.dot(center - corners[0]) < 0.0;
         if behind {
-            if !self.two_sided() {
+            if !self.is_two_sided() {
                 return None;
             }
             corners.swap(1, 2);
