@@ -5,7 +5,6 @@ use super::core::Core;
 use super::impact::swept_bounds;
 use crate::pairs::{Surface, SweptSieve};
 use crate::{Aabb, Shape};
-use jounce_math::Vec3;
 
 /// Does each triangle of A (a mesh or a height field) have a direction in which B (convex) overlaps it by less than `depth`
 /// metres, all along `sweep`? Then nothing passes through it. A quick look, made to spare [`crate::time_of_impact`]: where it
@@ -47,6 +46,7 @@ mod tests {
     use super::*;
     use crate::{TriMesh, TriMeshOptions};
     use jounce_math::Quat;
+    use jounce_math::Vec3;
     use std::sync::Arc;
 
     /// A square of two triangles in the plane y = 0, 10 m wide.
