@@ -23,7 +23,9 @@ mod tree;
 pub use aabb::Aabb;
 pub use build::hull::{Hull, HullEdge, HullFace};
 pub use build::mesh::{TriMesh, TriMeshOptions};
-pub use convex::{CastHit, Distance, Sweep, TimeOfImpact, cast_shape, distance, overlap, time_of_impact};
+pub use convex::{
+    CastHit, Distance, Sweep, TimeOfImpact, cast_shape, distance, overlap, stays_shallow, time_of_impact,
+};
 pub use error::GeometryError;
 pub use manifold::{FACE_A, FACE_B, Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache};
 pub use pairs::collide;

@@ -45,6 +45,8 @@ pub struct Hull {
     /// The same, for those who ask all of them.
     pub(crate) corners: Corners,
     pub(crate) faces: Vec<HullFace>,
+    /// Their normals, likewise.
+    pub(crate) normals: Corners,
     pub(crate) loops: Vec<u16>,
     pub(crate) edges: Vec<HullEdge>,
     pub(crate) aabb: Aabb,
@@ -151,6 +153,8 @@ impl Hull {
         }
         let aabb = Aabb::from_points(vertices.iter().copied());
         let corners = Corners::new(&vertices);
+        let directions: Vec<Vec3> = faces.iter().map(|f| f.normal).collect();
+        let normals = Corners::new(&directions);
         let edges = edges_of(&faces, &loops);
         let center = aabb.center();
         let (volume, centroid) = (0.0, center.as_dvec3());
@@ -158,6 +162,7 @@ impl Hull {
             vertices,
             corners,
             faces,
+            normals,
             loops,
             edges,
             aabb,

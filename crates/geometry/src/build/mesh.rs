@@ -27,24 +27,33 @@ impl Default for TriMeshOptions {
     }
 }
 
+/// A triangle and all that is asked with it, in one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Patch {
+    pub corners: [Vec3; 3],
+    /// Unit, of the front.
+    pub normal: Vec3,
+    /// Neighbour across edge k (corner k to corner k+1), or `NO_SUB`.
+    pub neighbors: [u32; 3],
+    /// Its place in the given list.
+    pub source: u32,
+}
+
 /// A static triangle mesh with adjacency, convex-edge flags and a bounding volume tree.
 #[derive(Clone, Debug)]
 pub struct TriMesh {
     pub(crate) vertices: Vec<Vec3>,
-    pub(crate) triangles: Vec<[u32; 3]>,
-    /// Neighbour across edge k (corner k to corner k+1), or `NO_SUB`.
-    pub(crate) neighbors: Vec<[u32; 3]>,
+    /// The kept triangles, in the tree's order.
+    pub(crate) patches: Vec<Patch>,
     /// Bit k: edge k is convex or a border (contacts on it may use edge normals); clear: flat or concave.
     /// Bit 3 + k: edge k is flat to within a degree. An edge of more than two triangles, or of two that
     /// disagree about inside and outside, is a border.
     pub(crate) edge_flags: Vec<u8>,
-    pub(crate) normals: Vec<Vec3>,
     pub(crate) materials: Vec<u16>,
     pub(crate) tree: Bvh,
     pub(crate) aabb: Aabb,
     pub(crate) double_sided: bool,
-    /// Index of each kept triangle in the given list.
-    pub(crate) source: Vec<u32>,
     /// Length of the given list.
     given: usize,
 }
@@ -90,22 +99,23 @@ impl TriMesh {
         let mut tree = Bvh::build(&items);
         // Triangles in the tree's order: what a query finds together lies together.
         kept = tree.renumber().into_iter().map(|i| kept[i as usize]).collect();
-        let normals = kept.iter().map(|(t, _)| normal_of(corners(t))).collect();
-        let (triangles_kept, source): (Vec<[u32; 3]>, Vec<u32>) = kept.into_iter().unzip();
+        let places: Vec<[u32; 3]> = kept.iter().map(|k| k.0).collect();
+        let patch = |((t, source), neighbors): (&([u32; 3], u32), [u32; 3])| {
+            let corners = corners(t);
+            Patch { corners, normal: normal_of(corners), neighbors, source: *source }
+        };
+        let patches = kept.iter().zip(neighbors(&places)).map(patch).collect();
         let mut mesh = Self {
             aabb: tree.bounds(),
-            neighbors: neighbors(&triangles_kept),
             edge_flags: Vec::new(),
-            normals,
             materials: Vec::new(),
             tree,
             double_sided: options.double_sided,
-            source,
             given: triangles.len(),
-            triangles: triangles_kept,
+            patches,
             vertices,
         };
-        mesh.edge_flags = (0..mesh.triangles.len() as u32).map(|i| mesh.flags_of(i)).collect();
+        mesh.edge_flags = (0..mesh.patches.len() as u32).map(|i| mesh.flags_of(i)).collect();
         Ok(mesh)
     }
     /// With a material index per triangle (same length as the given list); looked up by results' `sub`.
@@ -135,29 +145,29 @@ impl TriMesh {
     /// Corners of a kept triangle.
     #[inline]
     pub fn triangle(&self, i: u32) -> [Vec3; 3] {
-        self.triangles[i as usize].map(|v| self.vertices[v as usize])
+        self.patches[i as usize].corners
     }
     /// Unit normal of a kept triangle.
     #[inline]
     pub fn normal(&self, i: u32) -> Vec3 {
-        self.normals[i as usize]
+        self.patches[i as usize].normal
     }
     /// Index of a kept triangle in the given list.
     #[inline]
     pub fn original_index(&self, i: u32) -> u32 {
-        self.source[i as usize]
+        self.patches[i as usize].source
     }
     /// Number of kept triangles.
     pub fn len(&self) -> usize {
-        self.triangles.len()
+        self.patches.len()
     }
     /// Never: a mesh without triangles is refused.
     pub fn is_empty(&self) -> bool {
-        self.triangles.is_empty()
+        self.patches.is_empty()
     }
     /// How many triangles of the given list were dropped for having no area.
     pub fn dropped(&self) -> usize {
-        self.given - self.triangles.len()
+        self.given - self.patches.len()
     }
     /// Do both sides collide?
     pub fn is_double_sided(&self) -> bool {
@@ -179,7 +189,7 @@ impl TriMesh {
     fn flags_of(&self, i: u32) -> u8 {
         let (t, n) = (self.triangle(i), self.normal(i));
         (0..3).fold(0, |flags, k| {
-            let other = self.neighbors[i as usize][k];
+            let other = self.patches[i as usize].neighbors[k];
             if other == NO_SUB {
                 return flags | 1 << k;
             }
@@ -345,8 +355,8 @@ mod tests {
     /// Flags of the shared edge of both triangles, moved to bit 0 (convex) and bit 3 (flat).
     fn shared(m: &TriMesh) -> [u8; 2] {
         [0, 1].map(|i| {
-            let k = m.neighbors[i].iter().position(|&n| n != NO_SUB).unwrap();
-            assert_eq!(m.neighbors[i][k], 1 - i as u32);
+            let k = m.patches[i].neighbors.iter().position(|&n| n != NO_SUB).unwrap();
+            assert_eq!(m.patches[i].neighbors[k], 1 - i as u32);
             m.edge_flags[i] >> k & 9
         })
     }
@@ -369,11 +379,11 @@ mod tests {
         let t: Vec<[u32; 3]> = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
         let m = mesh(&v, &t);
         for i in 0..12 {
-            assert!(m.neighbors[i].iter().all(|&n| n != NO_SUB));
+            assert!(m.patches[i].neighbors.iter().all(|&n| n != NO_SUB));
             assert_eq!((m.edge_flags[i] & CONVEX).count_ones(), 2);
             assert_eq!((m.edge_flags[i] & FLAT).count_ones(), 1);
             let out = m.triangle(i as u32)[0] - Vec3::splat(0.5);
-            assert!(m.normals[i].dot(out) > 0.0);
+            assert!(m.patches[i].normal.dot(out) > 0.0);
         }
     }
 
@@ -383,7 +393,7 @@ mod tests {
         let v = [Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z];
         for t in [&[[0, 1, 2], [1, 0, 3], [1, 0, 4]][..], &[[0, 1, 2], [0, 1, 3]][..]] {
             let m = mesh(&v, t);
-            assert!(m.neighbors.iter().flatten().all(|&n| n == NO_SUB));
+            assert!(m.patches.iter().flat_map(|p| p.neighbors).all(|n| n == NO_SUB));
             assert!(m.edge_flags.iter().all(|&f| f == CONVEX));
         }
     }

@@ -2,7 +2,7 @@
 //! itself and radius 0). GJK and EPA see cores only, so round shapes stay exact.
 
 use crate::{Hull, Shape};
-use jounce_math::Vec3;
+use jounce_math::{Vec3, scalar::f32s};
 
 /// A convex set given by its support function.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +50,19 @@ impl<'a> Core<'a> {
             // The centroid: the origin is halfway up, near the surface, and soon behind a floor that the cone lies on.
             Core::Cone(h, _) => Vec3::new(0.0, -0.5 * h, 0.0),
             _ => Vec3::ZERO,
+        }
+    }
+
+    /// No point is farther from [`Core::center`].
+    pub fn reach(&self) -> f32 {
+        match self {
+            Core::Point => 0.0,
+            Core::Segment(h) => *h,
+            Core::Box(h) => h.length(),
+            Core::Cylinder(h, r) => h + r,
+            Core::Cone(h, r) => 1.5 * h + r,
+            Core::Hull(h) => (h.aabb().max - h.center()).max(h.center() - h.aabb().min).length(),
+            Core::Triangle(t) => t.iter().fold(0.0, |m, p| f32s::max((*p - self.center()).length(), m)),
         }
     }
 

@@ -44,7 +44,7 @@ fn ordered(a: &Shape, b: &Shape, pose: &Pose, max: f32) -> Option<Distance> {
 }
 
 /// Two convex shapes, each a core and a radius.
-pub(super) fn cores((a, ra): (Core, f32), (b, rb): (Core, f32), pose: &Pose, max: f32) -> Option<Distance> {
+pub(crate) fn cores((a, ra): (Core, f32), (b, rb): (Core, f32), pose: &Pose, max: f32) -> Option<Distance> {
     let w = Difference { a, b, pose: *pose };
     let reach = if max < f32::MAX { max + ra + rb } else { f32::MAX };
     let at = |distance, point_a, point_b, normal| {

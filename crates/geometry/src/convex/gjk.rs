@@ -95,15 +95,15 @@ impl Difference<'_> {
             if known || vv - vw <= vv * 1e-7 + length * noise {
                 break;
             }
-            let kept = s;
             s.vertices[s.count] = p;
             s.count += 1;
-            let next = s.reduce();
-            if s.count < 4 && next.length_squared() >= vv {
+            let (weights, next) = s.nearest();
+            if weights[..s.count].iter().filter(|&&k| k > 0.0).count() < 4 && next.length_squared() >= vv {
                 // No progress left in these digits.
-                s = kept;
+                s.count -= 1;
                 break;
             }
+            s.keep(&weights);
             v = next;
         }
         if s.count == 4 {
@@ -128,16 +128,20 @@ impl Simplex {
         Gjk::Apart { distance: length as f32, a: a.as_vec3(), b: b.as_vec3(), normal: n.as_vec3() }
     }
 
-    /// Keeps the smallest sub-simplex nearest to the origin and gives its nearest point. Four vertices
-    /// stay only where they enclose the origin.
-    fn reduce(&mut self) -> DVec3 {
+    /// The nearest point to the origin, and the weights that make it, positive for the smallest sub-simplex that holds it. All
+    /// four are only where they enclose the origin.
+    fn nearest(&self) -> Nearest {
         let w = self.vertices.map(|v| v.w);
-        let (weights, point) = match self.count {
+        match self.count {
             1 => ([1.0, 0.0, 0.0, 0.0], w[0]),
             2 => segment(&w, 0, 1),
             3 => triangle(&w, 0, 1, 2),
             _ => tetrahedron(&w),
-        };
+        }
+    }
+
+    /// Keeps the vertices of positive weight.
+    fn keep(&mut self, weights: &[f64; 4]) {
         let mut count = 0;
         for i in 0..self.count {
             if weights[i] > 0.0 {
@@ -147,7 +151,6 @@ impl Simplex {
             }
         }
         self.count = count;
-        point
     }
 }
 

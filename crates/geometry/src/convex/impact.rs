@@ -14,7 +14,7 @@ use super::core::Core;
 use super::distance::cores;
 use super::{Sweep, TimeOfImpact};
 use crate::limits::CAST_ITERATIONS_MAX;
-use crate::pairs::Surface;
+use crate::pairs::{Surface, SweptSieve};
 use crate::shapes::compound::Compound;
 use crate::{Aabb, Shape};
 use jounce_math::{Pose, Vec3, scalar::f32s};
@@ -95,7 +95,7 @@ impl First {
 
 fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32, max_t: f32) -> TimeOfImpact {
     let mut first = First::new(max_t);
-    let (start, motion) = swept_bounds(sweep, b, target + tolerance);
+    let (start, motion, _) = swept_bounds(sweep, b, target + tolerance);
     let swept = start.union(&Aabb::new(start.min + motion, start.max + motion));
     for (frame, child) in a.children() {
         if !child.aabb(frame).overlaps(&swept) {
@@ -111,17 +111,17 @@ fn compound(a: &Compound, b: &Shape, sweep: &Sweep, target: f32, tolerance: f32,
     first.answer()
 }
 
-/// A box and its way that cover all of B's positions.
+/// A box and its way that cover all of B's positions; and how far a point may be off the chord of its turn.
 ///
 /// About the centre of mass each point moves on an arc of the angle θ; between its ends it leaves the chord by no more than
 /// r (1 − cos θ/2), with r its distance. So the boxes of the two rotations, and that much around them.
-fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3) {
+pub(super) fn swept_bounds(sweep: &Sweep, b: &Shape, margin: f32) -> (Aabb, Vec3, f32) {
     let [from, to] = sweep.center;
     let about = sweep.rotation.map(|q| b.aabb(&Pose::new(-q.rotate(sweep.local_center), q)));
     let cosine = f32s::min(sweep.rotation[0].dot(sweep.rotation[1]).abs(), 1.0);
     let sagitta = b.outer_radius(sweep.local_center) * (1.0 - cosine);
     let turned = about[0].union(&about[1]).expanded(margin + sagitta);
-    (Aabb::new(turned.min + from, turned.max + from), to - from)
+    (Aabb::new(turned.min + from, turned.max + from), to - from, sagitta)
 }
 
 struct Moving<'a> {
@@ -192,46 +192,62 @@ impl Moving<'_> {
     }
 
     fn convex(&self, a: (Core, f32), max_t: f32) -> TimeOfImpact {
-        let mut t = 0.0;
+        self.convex_along(a, max_t).0
+    }
+
+    /// And the direction from A to B that was looked at last.
+    fn convex_along(&self, a: (Core, f32), max_t: f32) -> (TimeOfImpact, Vec3) {
+        let (mut t, mut n) = (0.0, Vec3::ZERO);
         for round in 0..CAST_ITERATIONS_MAX {
             let pose: Pose = self.sweep.pose(t);
-            let Some(d) = cores(a, self.core, &pose, f32::MAX) else { return TimeOfImpact::Failed(t) };
+            let Some(d) = cores(a, self.core, &pose, f32::MAX) else { return (TimeOfImpact::Failed(t), n) };
+            n = d.normal;
             if d.distance <= self.target + self.tolerance {
-                return if round == 0 { TimeOfImpact::Overlapped } else { TimeOfImpact::Hit(t) };
+                return (if round == 0 { TimeOfImpact::Overlapped } else { TimeOfImpact::Hit(t) }, n);
             }
-            let n = d.normal;
             let offset = n.dot(a.0.support(n)) + a.1;
             match self.advance(n, offset, t, max_t) {
-                None => return TimeOfImpact::Separated,
+                None => return (TimeOfImpact::Separated, n),
                 // No progress in these digits: as near as it gets.
-                Some(next) if next <= t => return TimeOfImpact::Hit(t),
+                Some(next) if next <= t => return (TimeOfImpact::Hit(t), n),
                 Some(next) => t = next,
             }
         }
-        TimeOfImpact::Failed(t)
+        (TimeOfImpact::Failed(t), n)
     }
 
-    /// Does all of B stay in front of the plane of a triangle? Most that are near are passed over so, without a look at their edges.
-    fn stays_in_front(&self, a: &Surface, index: u32, t: &[Vec3; 3], start: Vec3, max_t: f32) -> bool {
-        let Some(n) = a.normal(index) else { return false };
+    /// The normal of a triangle in front of which all of B stays. Most that are near are passed over so, without a look at their edges.
+    fn in_front(&self, a: &Surface, index: u32, t: &[Vec3; 3], start: Vec3, max_t: f32) -> Option<Vec3> {
+        let n = a.normal(index)?;
         let n = if n.dot(start - t[0]) < 0.0 { -n } else { n };
         let offset = n.dot(t[0]);
         // The plane of a sliver is only as good as its normal.
         let slack = f32s::max(n.dot(t[1] - t[0]).abs(), n.dot(t[2] - t[0]).abs());
-        self.gap(n, offset + slack, 0.0) > self.target + self.tolerance
-            && self.advance(n, offset + slack, 0.0, max_t).is_none()
+        let stays = self.gap(n, offset + slack, 0.0) > self.target + self.tolerance
+            && self.advance(n, offset + slack, 0.0, max_t).is_none();
+        stays.then_some(n)
     }
 
     fn surface(&self, a: &Surface, b: &Shape, max_t: f32) -> TimeOfImpact {
         let mut first = First::new(max_t);
-        let (bounds, motion) = swept_bounds(self.sweep, b, self.target + self.tolerance);
+        let near = self.target + self.tolerance;
+        let (bounds, motion, sagitta) = swept_bounds(self.sweep, b, near);
         let start = self.sweep.pose(0.0).transform_point(self.core.0.center());
+        let (core, radius) = self.core;
+        let mut sieve = SweptSieve::new(core, self.sweep, radius + near, sagitta, &a.bounds());
         a.sweep(&bounds, motion, max_t, |index, bound| {
-            if let Some(t) = a.facing_corners(index, start)
-                && !self.stays_in_front(a, index, &t, start, bound)
-            {
-                first.add(self.convex((Core::Triangle(t), 0.0), bound));
+            let Some(t) = a.corners(index).filter(|t| sieve.passes(t) && a.faces(index, t, start)) else {
+                return bound;
+            };
+            if let Some(n) = self.in_front(a, index, &t, start, bound) {
+                sieve.learn(n);
+                return bound;
             }
+            let (r, n) = self.convex_along((Core::Triangle(t), 0.0), bound);
+            if r == TimeOfImpact::Separated {
+                sieve.learn(n);
+            }
+            first.add(r);
             f32s::min(first.max_t, bound)
         });
         first.answer()

@@ -2,16 +2,18 @@
 
 mod cast;
 pub(crate) mod core;
-mod distance;
+pub(crate) mod distance;
 pub(crate) mod epa;
 pub(crate) mod gjk;
 mod impact;
 mod over;
+mod shallow;
 
 pub use cast::cast_shape;
 pub use distance::{distance, overlap};
 pub use impact::time_of_impact;
 use jounce_math::{Pose, Quat, Vec3};
+pub use shallow::stays_shallow;
 
 /// Closest points of two shapes.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -116,6 +116,13 @@ impl<'a> Convex<'a> {
             _ => None,
         }
     }
+    /// The face that [`Convex::feature`] would show of a hull.
+    pub fn face_shown(&self, d: Vec3) -> Option<u32> {
+        match &self.flat {
+            Flat::Poly(p) => Some(shown(p, d) as u32),
+            _ => None,
+        }
+    }
     /// The corners that the shape's core shows along `d` (unit), counter-clockwise seen from there; holds a support
     /// point. Returns a number for the feature.
     pub fn feature(&self, d: Vec3, out: &mut Vec<Corner>) -> u32 {
@@ -159,7 +166,7 @@ impl<'a> Convex<'a> {
 }
 
 /// The face that looks most along `d` and holds a support point.
-fn poly_feature(p: &Poly, d: Vec3, out: &mut Vec<Corner>) -> u32 {
+fn shown(p: &Poly, d: Vec3) -> usize {
     let lowest = p.support(d);
     let far = p.vertices[lowest].dot(d);
     let tolerance = 1e-5 * (far - p.center.dot(d)).abs();
@@ -174,6 +181,11 @@ fn poly_feature(p: &Poly, d: Vec3, out: &mut Vec<Corner>) -> u32 {
             }
         }
     }
+    f
+}
+
+fn poly_feature(p: &Poly, d: Vec3, out: &mut Vec<Corner>) -> u32 {
+    let f = shown(p, d);
     let l = p.face_loop(f);
     let n = l.len();
     for (k, &v) in l.iter().enumerate() {

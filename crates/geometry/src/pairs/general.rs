@@ -21,6 +21,9 @@ use jounce_math::{Pose, Vec3, scalar::f32s};
 pub(crate) struct Scratch {
     reference: Vec<Corner>,
     pub incident: Vec<Corner>,
+    /// Face of B that was shown last, and its corners in A's frame.
+    shown: Option<u32>,
+    shown_corners: Vec<Corner>,
     other: Vec<Corner>,
     pub points: Vec<ManifoldPoint>,
 }
@@ -204,13 +207,62 @@ pub(crate) fn face_contact(
     cache: &mut PairCache,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    let Scratch { reference, incident, other, points } = scratch;
     let n = face.normal;
-    a.feature(n, reference);
-    let shown = b.feature(pose.q.inverse_rotate(-n), incident);
-    for c in incident.iter_mut() {
+    a.feature(n, &mut scratch.reference);
+    let shown = b.feature(pose.q.inverse_rotate(-n), &mut scratch.incident);
+    for c in &mut scratch.incident {
         c.p = pose.transform_point(c.p);
     }
+    clipped(face, shown, (a.radius, b.radius), margin, cache, scratch)
+}
+
+/// The same on the triangle of unit normal `n` of a surface. Since [`Scratch::forget`], `b` and `pose` must not have changed.
+pub(crate) fn triangle_contact(
+    (corners, n): (&[Vec3; 3], Vec3),
+    b: &Convex,
+    pose: &Pose,
+    margin: f32,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    scratch.reference.clear();
+    let corner = |k: u16| Corner { p: corners[usize::from(k)], before: (k + 2) % 3, after: k };
+    scratch.reference.extend([0, 1, 2].map(corner));
+    let local = pose.q.inverse_rotate(-n);
+    let known = b.face_shown(local);
+    let shown = if known.is_some() && known == scratch.shown {
+        scratch.incident.clone_from(&scratch.shown_corners);
+        known.unwrap_or(0)
+    } else {
+        let shown = b.feature(local, &mut scratch.incident);
+        for c in &mut scratch.incident {
+            c.p = pose.transform_point(c.p);
+        }
+        scratch.shown = known;
+        scratch.shown_corners.clone_from(&scratch.incident);
+        shown
+    };
+    let face = FlatFace { normal: n, offset: n.dot(corners[0]), index: 0 };
+    clipped(&face, shown, (0.0, b.radius), margin, &mut PairCache::default(), scratch)
+}
+
+impl Scratch {
+    /// Another shape, or another pose.
+    pub fn forget(&mut self) {
+        self.shown = None;
+    }
+}
+
+/// Contact of the incident polygon with the reference polygon on `face`.
+fn clipped(
+    face: &FlatFace,
+    shown: u32,
+    (ra, rb): (f32, f32),
+    margin: f32,
+    cache: &mut PairCache,
+    scratch: &mut Scratch,
+) -> Option<Manifold> {
+    let Scratch { reference, incident, other, points, .. } = scratch;
+    let n = face.normal;
     match incident.len() {
         0 => return None,
         1 | 2 => clip_segment(incident, reference, n),
@@ -220,9 +272,9 @@ pub(crate) fn face_contact(
     let tag = (face.index.wrapping_mul(0x2F) ^ shown.wrapping_mul(0x1D) << 3) & 0xFFF;
     for c in incident.iter() {
         let gap = n.dot(c.p) - face.offset;
-        let separation = gap - a.radius - b.radius;
+        let separation = gap - ra - rb;
         if separation <= margin {
-            let point = c.p - n * (0.5 * (gap + b.radius - a.radius));
+            let point = c.p - n * (0.5 * (gap + rb - ra));
             let feature = tag << 18 | u32::from(c.before & 0x1FF) << 9 | u32::from(c.after & 0x1FF);
             points.push(ManifoldPoint { point, separation, feature });
         }

@@ -14,6 +14,7 @@ use super::general::{self, Scratch};
 use super::one_point;
 use super::poly::TrianglePoly;
 use super::reduce::reduce;
+use super::sieve::Sieve;
 use super::surface::{Facing, Surface};
 use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
@@ -30,7 +31,8 @@ const PLANE_SLOP: f32 = 0.005;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     normal: Vec3,
-    facing: Facing,
+    /// In the list of triangles.
+    facing: u32,
     faces: u8,
     triangle: u32,
     taken: bool,
@@ -42,6 +44,8 @@ pub(crate) struct Candidate {
 pub(crate) struct MeshScratch {
     triangles: Vec<u32>,
     candidates: Vec<Candidate>,
+    /// Triangles of the candidates.
+    faces: Vec<Facing>,
     group: Vec<ManifoldPoint>,
     /// Children of the compounds in work, a stack.
     pub children: Vec<u32>,
@@ -61,16 +65,29 @@ pub(crate) fn surface_convex(
     (scratch, mesh): (&mut Scratch, &mut MeshScratch),
     out: &mut Vec<Manifold>,
 ) {
-    a.overlapping(bounds, &mut mesh.triangles);
     mesh.candidates.clear();
+    mesh.faces.clear();
+    scratch.forget();
     let center = pose.transform_point(b.center());
+    let sieve = Sieve::new(&b.core, pose, b.radius + margin, &a.bounds());
+    // As deep as it can be with its centre in front.
+    let deepest = b.core.reach() + b.radius;
+    mesh.triangles.clear();
+    a.visit(bounds, |index| {
+        if a.facing(index, center).is_some_and(|t| sieve.passes(&t.corners, t.normal, deepest)) {
+            mesh.triangles.push(index);
+        }
+    });
+    // The tree's shape is an accident of its history.
+    mesh.triangles.sort_unstable();
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
-        let Some(m) = triangle(a, &t, b, pose, margin, scratch) else { continue };
-        add(&mut mesh.candidates, &m, &t, a.name(index));
+        let Some(m) = triangle(a, &t, &sieve, b, pose, margin, scratch) else { continue };
+        add(&mut mesh.candidates, &m, mesh.faces.len() as u32, a.name(index));
+        mesh.faces.push(t);
     }
     let slop = f32s::min(PLANE_SLOP, 0.05 * b.thickness());
-    snap_to_faces(&mut mesh.candidates, slop, |t| {
+    snap_to_faces(&mut mesh.candidates, &mesh.faces, slop, |t| {
         // Balls touch a face in one point, and that is found.
         let round = matches!(b.core, Core::Point);
         if round { None } else { face_only(t, b, pose, margin, scratch) }
@@ -82,6 +99,7 @@ pub(crate) fn surface_convex(
 fn triangle(
     surface: &Surface,
     t: &Facing,
+    sieve: &Sieve,
     b: &Convex,
     pose: &Pose,
     margin: f32,
@@ -91,6 +109,9 @@ fn triangle(
     let low = pose.transform_point(b.core.support(pose.q.inverse_rotate(-n)));
     let over = n.dot(low - t.corners[0]) - b.radius;
     if over > margin {
+        return None;
+    }
+    if !sieve.passes(&t.corners, n, f32s::max(-over, 0.0)) {
         return None;
     }
     if matches!(b.core, Core::Point) {
@@ -128,9 +149,7 @@ fn triangle(
 
 /// What B shows to the face, clipped to the triangle.
 fn face_only(t: &Facing, b: &Convex, pose: &Pose, margin: f32, scratch: &mut Scratch) -> Option<Manifold> {
-    let a = Convex::triangle(TrianglePoly::new(t.corners, t.normal));
-    let face = a.flat_face(t.normal)?;
-    general::face_contact(&a, &face, b, pose, margin, &mut PairCache::default(), scratch)
+    general::triangle_contact((&t.corners, t.normal), b, pose, margin, scratch)
 }
 
 fn general_face_axis(t: &TrianglePoly, low: Vec3, gap: f32) -> super::hull_hull::Axis {
@@ -165,12 +184,12 @@ fn sphere(surface: &Surface, t: &Facing, r: f32, p: Vec3, margin: f32) -> Option
     (s <= margin).then(|| one_point(c, near + c * (0.5 * s), s, 1, 0))
 }
 
-fn add(candidates: &mut Vec<Candidate>, m: &Manifold, t: &Facing, name: u32) {
+fn add(candidates: &mut Vec<Candidate>, m: &Manifold, facing: u32, name: u32) {
     for p in m.points() {
         let feature = (name.wrapping_mul(0x9E37_79B1) ^ p.feature).wrapping_mul(0x85EB_CA6B);
         candidates.push(Candidate {
             normal: m.normal,
-            facing: *t,
+            facing,
             faces: m.faces,
             triangle: name,
             taken: false,
@@ -183,6 +202,7 @@ fn add(candidates: &mut Vec<Candidate>, m: &Manifold, t: &Facing, name: u32) {
 /// answers instead; where they only lean a little, they take the plane's normal.
 fn snap_to_faces(
     candidates: &mut Vec<Candidate>,
+    faces: &[Facing],
     slop: f32,
     mut face_only: impl FnMut(&Facing) -> Option<Manifold>,
 ) {
@@ -192,21 +212,22 @@ fn snap_to_faces(
         if c.faces & FACE_A != 0 {
             continue;
         }
+        let Some(own) = faces.get(c.facing as usize) else { continue };
         let surface = c.point.point - c.normal * (0.5 * c.point.separation);
         let face = candidates.iter().find(|f| {
             let on = f.point.point - f.normal * (0.5 * f.point.separation);
             let in_plane = |p: &Vec3| f.normal.dot(*p - on).abs() <= slop;
             f.faces & FACE_A != 0
-                && (c.facing.normal.dot(f.normal) > 0.99 && c.facing.corners.iter().any(in_plane)
+                && (own.normal.dot(f.normal) > 0.99 && own.corners.iter().any(in_plane)
                     || c.normal.dot(f.normal) > 0.95 && in_plane(&surface))
         });
         let Some(normal) = face.map(|f| f.normal) else { continue };
-        if c.facing.normal.dot(normal) > 0.99 {
+        if own.normal.dot(normal) > 0.99 {
             candidates[i].taken = true;
             if c.triangle != last {
                 last = c.triangle;
-                if let Some(m) = face_only(&c.facing) {
-                    add(candidates, &m, &c.facing, c.triangle);
+                if let Some(m) = face_only(own) {
+                    add(candidates, &m, c.facing, c.triangle);
                 }
             }
             continue;

@@ -12,6 +12,7 @@ mod hull_hull;
 mod mesh;
 mod poly;
 mod reduce;
+mod sieve;
 mod sphere;
 mod surface;
 
@@ -23,6 +24,7 @@ pub(crate) use general::Scratch;
 use half_space::Plane;
 use jounce_math::{Pose, Vec3};
 pub(crate) use mesh::MeshScratch;
+pub(crate) use sieve::SweptSieve;
 pub(crate) use surface::Surface;
 
 /// A manifold of one point.

@@ -10,6 +10,8 @@ pub(crate) struct Poly<'a> {
     pub vertices: &'a [Vec3],
     /// Those of a hull, four abreast.
     corners: Option<&'a Corners>,
+    /// The normals of a hull's faces, likewise.
+    normals: Option<&'a Corners>,
     pub faces: &'a [HullFace],
     pub loops: &'a [u16],
     pub edges: &'a [HullEdge],
@@ -30,6 +32,9 @@ impl<'a> Poly<'a> {
     }
     /// The face whose normal is nearest to `n`.
     pub fn face_along(&self, n: Vec3) -> usize {
+        if let Some(normals) = self.normals {
+            return normals.farthest(n);
+        }
         let (mut best, mut at) = (f32::NEG_INFINITY, 0);
         for (i, f) in self.real_faces().iter().enumerate() {
             let d = f.normal.dot(n);
@@ -60,6 +65,7 @@ impl<'a> From<&'a Hull> for Poly<'a> {
         Self {
             vertices: &h.vertices,
             corners: Some(&h.corners),
+            normals: Some(&h.normals),
             faces: &h.faces,
             loops: &h.loops,
             edges: &h.edges,
@@ -115,6 +121,7 @@ impl BoxPoly {
         Poly {
             vertices: &self.vertices,
             corners: None,
+            normals: None,
             faces: &self.faces,
             loops: &BOX_LOOPS,
             edges: &BOX_EDGES,
@@ -157,6 +164,7 @@ impl TrianglePoly {
         Poly {
             vertices: &self.vertices,
             corners: None,
+            normals: None,
             faces: &self.faces,
             loops: &TRIANGLE_LOOP,
             edges: &TRIANGLE_EDGES,

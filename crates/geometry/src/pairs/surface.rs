@@ -49,23 +49,7 @@ pub(crate) enum Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// Indices of the triangles whose bounds overlap, in rising order.
-    pub fn overlapping(&self, bounds: &Aabb, out: &mut Vec<u32>) {
-        out.clear();
-        match self {
-            Self::Mesh(m) => {
-                m.tree.query(bounds, |t| {
-                    out.push(t);
-                    true
-                });
-                // The tree's shape is an accident of its history.
-                out.sort_unstable();
-            }
-            Self::HeightField(h) => h.overlapping(bounds, |t| out.push(t)),
-        }
-    }
-
-    /// Calls `f` with each of those triangles, in no order that matters.
+    /// Calls `f` with each of the triangles whose bounds overlap, in no order that matters.
     pub fn visit(&self, bounds: &Aabb, mut f: impl FnMut(u32)) {
         match self {
             Self::Mesh(m) => m.tree.query(bounds, |t| {
@@ -74,6 +58,19 @@ impl Surface<'_> {
             }),
             Self::HeightField(h) => h.overlapping(bounds, f),
         }
+    }
+
+    /// Does `f` hold for all of those triangles? Most of them are not asked after one for which it does not.
+    pub fn all(&self, bounds: &Aabb, mut f: impl FnMut(u32) -> bool) -> bool {
+        let mut all = true;
+        match self {
+            Self::Mesh(m) => m.tree.query(bounds, |t| {
+                all = f(t);
+                all
+            }),
+            Self::HeightField(h) => h.overlapping(bounds, |t| all = all && f(t)),
+        }
+        all
     }
 
     /// Around the whole surface.
@@ -108,31 +105,23 @@ impl Surface<'_> {
         }
     }
 
-    /// Corners of a triangle, unless it is one-sided and `center` is behind it.
-    pub fn facing_corners(&self, index: u32, center: Vec3) -> Option<[Vec3; 3]> {
-        let t = self.corners(index)?;
-        let front = self.two_sided() || self.normal(index)?.dot(center - t[0]) >= 0.0;
-        front.then_some(t)
+    /// Is a triangle of these corners two-sided, or `center` not behind it?
+    pub fn faces(&self, index: u32, t: &[Vec3; 3], center: Vec3) -> bool {
+        self.is_two_sided() || self.normal(index).is_some_and(|n| n.dot(center - t[0]) >= 0.0)
     }
 
     /// Corners; `None` for a hole, a degenerate triangle or an index past the end.
     pub fn corners(&self, index: u32) -> Option<[Vec3; 3]> {
         match self {
-            Self::Mesh(m) => {
-                let t = m.triangles.get(index as usize)?;
-                Some([self.vertex(m, t[0])?, self.vertex(m, t[1])?, self.vertex(m, t[2])?])
-            }
+            Self::Mesh(m) => m.patches.get(index as usize).map(|p| p.corners),
             Self::HeightField(h) => h.triangle(index),
         }
-    }
-    fn vertex(&self, m: &TriMesh, v: u32) -> Option<Vec3> {
-        m.vertices.get(v as usize).copied()
     }
 
     /// Unit normal of the front.
     pub fn normal(&self, index: u32) -> Option<Vec3> {
         match self {
-            Self::Mesh(m) => m.normals.get(index as usize).copied(),
+            Self::Mesh(m) => m.patches.get(index as usize).map(|p| p.normal),
             Self::HeightField(_) => {
                 let [a, b, c] = self.corners(index)?;
                 // Never zero: the corners are apart in x and z.
@@ -145,7 +134,7 @@ impl Surface<'_> {
     /// The triangle's number in the list that the surface was built from.
     pub fn name(&self, index: u32) -> u32 {
         match self {
-            Self::Mesh(m) => m.source.get(index as usize).copied().unwrap_or(index),
+            Self::Mesh(m) => m.patches.get(index as usize).map_or(index, |p| p.source),
             Self::HeightField(_) => index,
         }
     }
@@ -157,12 +146,12 @@ impl Surface<'_> {
 
     fn neighbor(&self, index: u32, edge: usize) -> u32 {
         match self {
-            Self::Mesh(m) => m.neighbors.get(index as usize).map_or(NO_SUB, |n| n[edge]),
+            Self::Mesh(m) => m.patches.get(index as usize).map_or(NO_SUB, |p| p.neighbors[edge]),
             Self::HeightField(h) => height_field_neighbor(h, index, edge).unwrap_or(NO_SUB),
         }
     }
 
-    fn two_sided(&self) -> bool {
+    pub fn is_two_sided(&self) -> bool {
         matches!(self, Self::Mesh(m) if m.double_sided)
     }
 
@@ -172,7 +161,7 @@ impl Surface<'_> {
         let mut normal = self.normal(index)?;
         let behind = normal.dot(center - corners[0]) < 0.0;
         if behind {
-            if !self.two_sided() {
+            if !self.is_two_sided() {
                 return None;
             }
             corners.swap(1, 2);

@@ -3,7 +3,8 @@
 //!
 //! Where the body already touched the shape at the start (it rests or slides on it), its whole outline would stop at once;
 //! then only a ball of half the inner radius at its centre is swept: it cannot get through. A ball that is in the surface
-//! already stays where it is rather than go deeper. And the body stops where an end of it that swings round gets deep.
+//! already stays where it is rather than go deeper. A part that goes nowhere deeper into a mesh than a sliding body may is let go.
+//! And the body stops where an end of it that swings round gets deep.
 
 use super::{Step, broadphase};
 use crate::edit::world_bounds;
@@ -11,7 +12,8 @@ use crate::room::contacts::state::Place;
 use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
 use jounce_geometry::{
-    Aabb, Manifold, ManifoldSet, PairCache, Shape, Sweep, TimeOfImpact, collide, time_of_impact,
+    Aabb, Manifold, ManifoldSet, PairCache, Shape, Sweep, TimeOfImpact, collide, stays_shallow,
+    time_of_impact,
 };
 use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
 use std::sync::PoisonError;
@@ -144,6 +146,11 @@ fn meet(world: &World, [s, other]: [u32; 2], core: &mut Core, set: &mut Manifold
     let end = at(fa.center, fa.rotation, fb.center, fb.rotation);
     let local_center = rb.pose.inverse_transform_point(fb.local_center);
     let sweep = sweep_between(&start, &end, local_center);
+    // What rolls, slides or rests goes nowhere deep.
+    let limit = GRAZE * world.bodies[rb.body].mass.inner_radius;
+    if stays_shallow(&ra.shape, &rb.shape, &sweep, limit) {
+        return 1.0;
+    }
     let first = match time_of_impact(&ra.shape, &rb.shape, &sweep, target, 0.25 * target) {
         TimeOfImpact::Separated => return 1.0,
         TimeOfImpact::Hit(t) if t > 1e-4 && grazes(world, [s, other], &sweep, (t, 2.0 * target), set) => 1.0,
@@ -159,12 +166,18 @@ fn meet(world: &World, [s, other]: [u32; 2], core: &mut Core, set: &mut Manifold
 /// that touches with one end and turns quickly would swing the other, of which the contact does not know, deep in.
 fn shallow(world: &World, [s, other]: [u32; 2], sweep: &Sweep, t: f32, set: &mut ManifoldSet) -> f32 {
     let (rb, ra) = (&world.shapes[s], &world.shapes[other]);
-    let mut depth = |t: f32| {
-        collide(&ra.shape, &rb.shape, &sweep.pose(t), 0.0, &mut PairCache::default(), set);
+    // Of the points nearer than the margin.
+    let mut deepest = |t: f32, margin: f32| {
+        collide(&ra.shape, &rb.shape, &sweep.pose(t), margin, &mut PairCache::default(), set);
         let points = set.manifolds.iter().flat_map(Manifold::points);
         points.fold(0.0, |d, p| f32s::max(d, -p.separation))
     };
     let limit = GRAZE * world.bodies[rb.body].mass.inner_radius;
+    // Nearly all of a surface is found not to be that deep at a first look.
+    if deepest(t, -limit) <= limit {
+        return t;
+    }
+    let mut depth = |t: f32| deepest(t, 0.0);
     let last = depth(t);
     if last <= limit {
         return t;
