@@ -66,13 +66,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
 }
 
 /// Collects the island of a body at rest; false where some of it stirs.
-fn walk(
-    world: &World,
-    wheels: &[(u32, u32)],
-    first: u32,
-    rest: &mut [Rest],
-    island: &mut Vec<u32>,
-) -> bool {
+fn walk(world: &World, wheels: &[(u32, u32)], first: u32, rest: &mut [Rest], island: &mut Vec<u32>) -> bool {
     island.clear();
     island.push(first);
     rest[first as usize] = Rest::Seen;
