@@ -709,8 +709,7 @@ impl World {
         };
         let r = &mut self.shapes[slot];
         r.place = place;
-        let dynamic = self.bodies[r.body].kind == BodyKind::Dynamic;
-        self.tags[slot as usize] = Tag::new(dynamic, !r.sensor, place == Place::Unbounded);
+        self.tags[slot as usize] = Tag::new(self.bodies[r.body].kind, !r.sensor, place == Place::Unbounded);
         self.mark_moved(slot);
         self.wake_near(slot);
     }

@@ -2,6 +2,7 @@
 
 use crate::room::contacts::state::{ContactPlace, PairHead, Place};
 use crate::room::rigid::state::NONE;
+use crate::stage::broadphase::may_meet;
 use crate::step::Stage;
 use crate::table::pair_key;
 use crate::world::World;
@@ -11,6 +12,9 @@ pub(crate) fn check_after(world: &World, stage: Stage) {
     if cfg!(debug_assertions) && stage == Stage::Publish && world.contacts.len() < 20_000 {
         world.validate();
         world.validate_bounds();
+        if world.step_count.is_multiple_of(8) {
+            world.validate_pairs();
+        }
     }
 }
 
@@ -23,6 +27,33 @@ impl World {
                     let (fat, tight) = (&self.fat[s as usize], self.tight_bounds(s));
                     assert!(fat.contains(&tight), "shape {s} of body {}: {tight:?} left {fat:?}", b.body);
                 }
+            }
+        }
+    }
+    /// What met as of the last pair search, and may, has its contact: the search passes over it.
+    fn validate_pairs(&self) {
+        let marked = self.tags.iter().filter(|t| t.moved()).count();
+        assert_eq!(marked, self.moved.len(), "marks of the move buffer");
+        for (s, r) in self.shapes.iter() {
+            let tag = self.tags[s as usize];
+            let bounded = matches!(r.place, Place::MovingTree(_));
+            assert_eq!(tag.bounded_mover(), bounded && !r.sensor, "tag of shape {s}");
+            if tag.moved() || r.place == Place::Nowhere || self.pairs_missing || self.hooks.filter.is_some() {
+                continue;
+            }
+            let fat = &self.fat[s as usize];
+            assert!(
+                r.place == Place::Unbounded || self.fat_before[s as usize] == *fat,
+                "bounds of shape {s}"
+            );
+            if bounded {
+                self.moving_tree.query(fat, |other| {
+                    let known = self.tags[other as usize].moved()
+                        || !may_meet(self, s, other)
+                        || self.pairs.contains(pair_key(s, other));
+                    assert!(known, "shapes {s} and {other} have no contact");
+                    true
+                });
             }
         }
     }

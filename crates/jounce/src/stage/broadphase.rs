@@ -1,11 +1,12 @@
 //! New pairs: every shape whose bounds changed asks the trees whom it may meet.
 //!
 //! Shapes that moved are sorted along a space-filling curve, and neighbours on it go through a tree together: what meets the box
-//! around them is held against each of them, many at a time. A pair whose bounds met before the move has its contact already, and
+//! around them is held against each of them, many at a time; where much moved, a flat tree is made and joined with itself. A pair whose bounds met before the move has its contact already, and
 //! is passed over without a look at a table. Units of the search write candidate keys into lists of their own; the keys are then
 //! sorted, so that the order in which contacts are made depends on slots alone.
 
 use super::Step;
+use super::flat::{Flat, Join, Leaf};
 use super::reach::{BLOCK, Block, Group, Kernel};
 use crate::event::Event;
 use crate::hooks::PairView;
@@ -21,6 +22,8 @@ use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 
 /// Moved shapes per unit.
 const CHUNK: usize = 64;
+/// Leaves per unit.
+const LEAVES: usize = 4;
 /// So few are not worth sorting.
 const FEW: usize = 16;
 
@@ -44,11 +47,21 @@ impl Tag {
     const DYNAMIC: u8 = 2;
     const SOLID: u8 = 4;
     const UNBOUNDED: u8 = 8;
+    const MOVER: u8 = 16;
 
     /// Of a shape that has just been given its place.
-    pub fn new(dynamic: bool, solid: bool, unbounded: bool) -> Self {
-        let bit = |on: bool, bit: u8| if on { bit } else { 0 };
-        Self(bit(dynamic, Self::DYNAMIC) | bit(solid, Self::SOLID) | bit(unbounded, Self::UNBOUNDED))
+    pub fn new(kind: BodyKind, solid: bool, unbounded: bool) -> Self {
+        let bits = [
+            (kind == BodyKind::Dynamic, Self::DYNAMIC),
+            (kind != BodyKind::Fixed, Self::MOVER),
+            (solid, Self::SOLID),
+            (unbounded, Self::UNBOUNDED),
+        ];
+        Self(bits.into_iter().filter(|b| b.0).fold(0, |all, b| all | b.1))
+    }
+    /// Is it in the tree of what moves, and no sensor?
+    pub fn bounded_mover(self) -> bool {
+        self.0 & (Self::MOVER | Self::SOLID | Self::UNBOUNDED) == Self::MOVER | Self::SOLID
     }
     fn has(self, bit: u8) -> bool {
         self.0 & bit != 0
@@ -68,17 +81,32 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     }
     // A hook may refuse what it did not refuse before.
     world.pairs_missing |= world.hooks.filter.is_some();
-    sort_moved(world);
-    let units = world.moved.len().div_ceil(CHUNK);
-    let most = (2 * limits::CONTACTS_MAX / units).max(limits::FOUND_PAIRS_MAX);
+    let mut flat = core::mem::take(&mut world.scratch.flat);
+    let mut aside = core::mem::take(&mut world.scratch.aside);
+    let dense = flat.build(world);
+    aside.clear();
+    if dense {
+        aside.extend(world.moved.iter().filter(|&&s| !world.tags[s as usize].bounded_mover()));
+    } else {
+        sort_moved(world);
+    }
     let mut lists = core::mem::take(&mut world.scratch.candidates);
-    lists.resize_with(units.max(lists.len()), Vec::new);
     let shared: &World = world;
+    let searched = if dense { &aside[..] } else { &shared.moved[..] };
+    let leaves = if dense { flat.leaves() } else { &[] };
+    let some = searched.len().div_ceil(CHUNK);
+    let units = some + leaves.len().div_ceil(LEAVES);
+    let most = (2 * limits::CONTACTS_MAX / units).max(limits::FOUND_PAIRS_MAX);
+    lists.resize_with(units.max(lists.len()), Vec::new);
     shared.tasks.for_each(&mut lists[..units], 1, |unit, list| {
         list.clear();
-        let from = unit * CHUNK;
-        let to = (from + CHUNK).min(shared.moved.len());
-        search(shared, &shared.moved[from..to], most, list);
+        if unit < some {
+            let from = unit * CHUNK;
+            search(shared, &searched[from..searched.len().min(from + CHUNK)], most, list);
+        } else {
+            let from = (unit - some) * LEAVES;
+            join(shared, &flat, from..leaves.len().min(from + LEAVES), most, list);
+        }
     });
     let usual = lists.len().min(units.max(USUAL));
     let longest = lists[..units].iter().map(Vec::len).max().unwrap_or(0);
@@ -101,7 +129,7 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     let full = make_contacts(world, &keys, limits::CONTACTS_MAX);
     world.pairs_missing |= full;
     // Who was cut short goes on in the next step.
-    let stays = |unit: usize| cut && !full && lists[unit].last() == Some(&CUT);
+    let stays = |unit: usize| cut && !full && (dense || lists[unit].last() == Some(&CUT));
     let mut kept = 0;
     for i in 0..world.moved.len() {
         let s = world.moved[i];
@@ -116,6 +144,25 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     }
     world.moved.truncate(kept);
     (world.scratch.candidates, world.scratch.keys) = (lists, keys);
+    (world.scratch.flat, world.scratch.aside) = (flat, aside);
+}
+
+/// A curve through a box that comes by all near one place before it goes to another (Morton).
+pub(super) struct Curve {
+    twice_min: Vec3,
+    cells: f32,
+}
+
+impl Curve {
+    pub fn over(b: &Aabb) -> Self {
+        Self { twice_min: b.min * 2.0, cells: 511.5 / (b.max - b.min).max_component() }
+    }
+    /// Where it comes by the centre of a box.
+    pub fn at(&self, b: &Aabb) -> u32 {
+        let p = (b.min + b.max - self.twice_min) * self.cells;
+        let [x, y, z] = [p.x, p.y, p.z].map(|v| spread(v as u32));
+        x << 2 | y << 1 | z
+    }
 }
 
 /// Sorts the move buffer along a curve through space: neighbours on it are neighbours there.
@@ -125,17 +172,9 @@ fn sort_moved(world: &mut World) {
     }
     let mut places = core::mem::take(&mut world.scratch.keys);
     places.clear();
-    let twice = |s: u32| {
-        let b = &world.fat[s as usize];
-        b.min + b.max
-    };
-    let all = Aabb::from_points(world.moved.iter().map(|&s| twice(s)).filter(|p| p.is_finite()));
-    let cells = 1023.0 / (all.max - all.min).max_component();
-    places.extend(world.moved.iter().map(|&s| {
-        let p = (twice(s) - all.min) * cells;
-        let [x, y, z] = [p.x, p.y, p.z].map(|v| spread(v as u32));
-        (u64::from(x << 2 | y << 1 | z) << 32) | u64::from(s)
-    }));
+    let fat = |&s: &u32| &world.fat[s as usize];
+    let curve = Curve::over(&world.moved.iter().map(fat).fold(Aabb::EMPTY, |all, b| all.union(b)));
+    places.extend(world.moved.iter().map(|s| (u64::from(curve.at(fat(s))) << 32) | u64::from(*s)));
     places.sort_unstable();
     world.moved.iter_mut().zip(&places).for_each(|(s, &p)| *s = p as u32);
     world.scratch.keys = places;
@@ -172,7 +211,7 @@ fn make_contacts(world: &mut World, keys: &[u64], limit: usize) -> bool {
 
 /// Collects the pairs of some shapes that are new and allowed, up to a length of the list.
 fn search(world: &World, shapes: &[u32], most: usize, out: &mut Vec<u64>) {
-    let mut found = Found { world, most, out };
+    let mut found = Found { world, most, out, joined: false };
     let mut group = Group::new();
     for &s in shapes {
         let tag = world.tags[s as usize];
@@ -192,10 +231,20 @@ fn search(world: &World, shapes: &[u32], most: usize, out: &mut Vec<u64>) {
             }
             group.clear();
         }
-        let before = if world.pairs_missing { &NEVER } else { &world.fat_before[s as usize] };
-        group.push(s, fat, before, tag.has(Tag::DYNAMIC));
+        group.push(s, fat, world.met_before(s), tag.has(Tag::DYNAMIC));
     }
     found.around(&group);
+}
+
+/// The same for the shapes in some leaves of the flat tree.
+fn join(world: &World, flat: &Flat, leaves: core::ops::Range<usize>, most: usize, out: &mut Vec<u64>) {
+    let mut found = Found { world, most, out, joined: true };
+    for leaf in leaves {
+        let mut see = |a, b| found.see(a, b);
+        if !dispatch(world.width, Join { flat, leaf, see: &mut see }) || !found.below(&flat.leaves()[leaf]) {
+            return;
+        }
+    }
 }
 
 /// The pairs that a unit found.
@@ -203,6 +252,8 @@ struct Found<'a> {
     world: &'a World,
     most: usize,
     out: &'a mut Vec<u64>,
+    /// All pairs in the tree of what moves come up once.
+    joined: bool,
 }
 
 impl Found<'_> {
@@ -210,7 +261,10 @@ impl Found<'_> {
     fn see(&mut self, shape: u32, other: u32) -> bool {
         let world = self.world;
         let key = pair_key(shape, other);
-        if finds_it_too(world, shape, other) || world.pairs.contains(key) || !may_meet(world, shape, other) {
+        if (!self.joined && finds_it_too(world, shape, other))
+            || world.pairs.contains(key)
+            || !may_meet(world, shape, other)
+        {
             return true;
         }
         let room = self.out.len() < self.most;
@@ -223,7 +277,7 @@ impl Found<'_> {
             return true;
         }
         let world = self.world;
-        if !self.among(&world.moving_tree, group, u32::MAX)
+        if (!self.joined && !self.among(&world.moving_tree, group, u32::MAX))
             || (group.dynamic != 0 && !self.among(&world.fixed_tree, group, group.dynamic))
         {
             return false;
@@ -234,8 +288,26 @@ impl Found<'_> {
             .iter()
             .all(|&s| planes().all(|plane| !near_plane(world, plane, s) || self.see(s, plane)))
     }
+    /// What moved of a leaf, and what is fixed.
+    fn below(&mut self, leaf: &Leaf) -> bool {
+        let world = self.world;
+        if !leaf.moved() || (world.fixed_tree.is_empty() && world.unbounded.is_empty()) {
+            return true;
+        }
+        let mut group = Group::new();
+        for &s in leaf.slots() {
+            let tag = world.tags[s as usize];
+            if tag.moved() {
+                group.push(s, &world.fat[s as usize], world.met_before(s), tag.has(Tag::DYNAMIC));
+            }
+        }
+        self.around(&group)
+    }
     /// What those members of a group that are in a mask meet in a tree.
     fn among(&mut self, tree: &Bvh, group: &Group, members: u32) -> bool {
+        if tree.is_empty() {
+            return true;
+        }
         let mut block = Block::new();
         let mut room = true;
         tree.query_boxes(group.bounds(), |other, fat| {
@@ -277,6 +349,13 @@ impl Found<'_> {
 fn finds_it_too(world: &World, shape: u32, other: u32) -> bool {
     let (a, b) = (world.tags[shape as usize], world.tags[other as usize]);
     b.moved() && b.has(Tag::DYNAMIC) && !(a.has(Tag::DYNAMIC) && shape < other)
+}
+
+impl World {
+    /// The bounds with which a shape met all that it has contacts with.
+    pub(super) fn met_before(&self, shape: u32) -> &Aabb {
+        if self.pairs_missing { &NEVER } else { &self.fat_before[shape as usize] }
+    }
 }
 
 /// Do a shape's fat bounds reach a half-space?

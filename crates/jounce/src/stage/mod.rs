@@ -7,6 +7,7 @@ pub(crate) mod characters;
 pub(crate) mod commands;
 pub(crate) mod continuous;
 pub(crate) mod fields;
+mod flat;
 mod footing;
 pub(crate) mod forces;
 pub(crate) mod guard;
@@ -63,6 +64,9 @@ pub(crate) struct Scratch {
     /// Candidate pairs, one list per unit of the broad phase.
     pub candidates: Vec<Vec<u64>>,
     pub keys: Vec<u64>,
+    pub flat: flat::Flat,
+    /// Moved shapes that are not in it.
+    pub aside: Vec<u32>,
     pub ends: Vec<u32>,
     /// Contact rows that the islands stage looks at.
     pub rows_told: Vec<u32>,

@@ -83,10 +83,16 @@ impl Block {
     #[inline(always)]
     pub fn push(&mut self, slot: u32, fat: &Aabb, before: &Aabb) {
         let i = self.len;
-        for (columns, b) in [(&mut self.now, fat), (&mut self.before, before)] {
-            let sides = [b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z];
-            columns.iter_mut().zip(sides).for_each(|(c, side)| c[i] = side);
-        }
+        let put = |columns: &mut [[f32; BLOCK]; 6], b: &Aabb| {
+            columns[0][i] = b.min.x;
+            columns[1][i] = b.min.y;
+            columns[2][i] = b.min.z;
+            columns[3][i] = b.max.x;
+            columns[4][i] = b.max.y;
+            columns[5][i] = b.max.z;
+        };
+        put(&mut self.now, fat);
+        put(&mut self.before, before);
         self.slots[i] = slot;
         self.len += 1;
     }
@@ -125,13 +131,16 @@ impl jounce_lanes::Kernel for Kernel<'_> {
 /// Touching counts, as for [`Aabb::overlaps`].
 #[inline(always)]
 fn meets<L: Lanes>(columns: &[[f32; BLOCK]; 6], at: usize, b: &Aabb) -> L::Mask {
-    let side = |i: usize| L::load(&columns[i][at..]);
-    side(0).le(L::splat(b.max.x))
-        & side(1).le(L::splat(b.max.y))
-        & side(2).le(L::splat(b.max.z))
-        & side(3).ge(L::splat(b.min.x))
-        & side(4).ge(L::splat(b.min.y))
-        & side(5).ge(L::splat(b.min.z))
+    let side = jounce_lanes::six(
+        #[inline(always)]
+        |i| L::load(&columns[i][at..]),
+    );
+    side[0].le(L::splat(b.max.x))
+        & side[1].le(L::splat(b.max.y))
+        & side[2].le(L::splat(b.max.z))
+        & side[3].ge(L::splat(b.min.x))
+        & side[4].ge(L::splat(b.min.y))
+        & side[5].ge(L::splat(b.min.z))
 }
 
 #[cfg(test)]

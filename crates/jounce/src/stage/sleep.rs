@@ -45,14 +45,11 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     stands_on(world, &mut wheels);
     for (first, b) in world.awake.step.iter().enumerate() {
         let first = first as u32;
-        match rest[first as usize] {
-            Rest::Kinematic if b.sleep_timer >= needed => resting.push((first, first, b.body)),
-            Rest::Rests => {
-                if walk(world, &wheels, first, &mut rest, &mut island) {
-                    resting.extend(island.iter().map(|&r| (first, r, world.awake.step[r as usize].body)));
-                }
-            }
-            _ => {}
+        let known = rest[first as usize];
+        if known == Rest::Kinematic && b.sleep_timer >= needed {
+            resting.push((first, first, b.body));
+        } else if known == Rest::Rests && walk(world, &wheels, first, &mut rest, &mut island) {
+            resting.extend(island.iter().map(|&r| (first, r, world.awake.step[r as usize].body)));
         }
     }
     resting.sort_unstable();
