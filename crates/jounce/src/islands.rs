@@ -306,8 +306,16 @@ impl World {
         }
     }
 
+    /// Copies to the body's frame whether it looks ahead.
+    pub(crate) fn note_outlook(&mut self, body: u32) {
+        if let Some(b) = self.bodies.get(body) {
+            self.frames[body as usize].looks_ahead = b.looks_ahead();
+        }
+    }
+
     /// Makes the next narrow phase test all contacts of a body afresh.
     pub(crate) fn forget_tests(&mut self, body: u32) {
+        self.note_outlook(body);
         if self.bodies[body].kind == BodyKind::Fixed {
             for c in self.contacts.iter_mut().chain(&mut self.asleep_contacts) {
                 c.tested &= c.body_a != body && c.body_b != body;

@@ -69,6 +69,7 @@ impl World {
             assert!(body.enabled && body.island == NONE, "an awake body is enabled and in no island");
         }
         for (slot, body) in self.bodies.iter() {
+            assert_eq!(self.frames[slot as usize].looks_ahead, body.looks_ahead(), "outlook of body {slot}");
             if body.row != NONE {
                 assert_eq!(self.awake.step[body.row as usize].body, slot);
             }

@@ -160,9 +160,11 @@ mod tests {
     #[test]
     fn scratch_is_no_state() {
         let mut w = World::new(WorldDesc::default()).expect("valid");
-        for (normal, at) in
-            [([0.0, 1.0, 0.0], [0.0; 3]), ([0.8, 0.6, 0.0], [-2.0, 0.0, 0.0]), ([-0.8, 0.6, 0.0], [2.0, 0.0, 0.0])]
-        {
+        for (normal, at) in [
+            ([0.0, 1.0, 0.0], [0.0; 3]),
+            ([0.8, 0.6, 0.0], [-2.0, 0.0, 0.0]),
+            ([-0.8, 0.6, 0.0], [2.0, 0.0, 0.0]),
+        ] {
             let plane = ShapeDesc::half_space(normal.into());
             w.add_body(BodyDesc::fixed().at(at).shape(plane)).expect("valid");
         }
@@ -185,7 +187,7 @@ mod tests {
             let at = d.position;
             let body = w.add_body(d).expect("valid");
             if let (true, Some((other, there))) = (i % 5 == 1, last) {
-                w.add_joint(JointDesc::ball(other, body, at.lerp(there, 0.5))).expect("valid");
+                w.add_joint(JointDesc::ball(other, body, at.lerp(there, 0.5_f64))).expect("valid");
             }
             last = Some((body, at));
         }

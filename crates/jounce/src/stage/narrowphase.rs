@@ -4,16 +4,19 @@ use super::{Step, broadphase};
 use crate::hooks::{ContactView, PairView};
 use crate::room::contacts::crowd;
 use crate::room::contacts::desc::{Combine, Material};
-use crate::room::contacts::state::{Contact, ContactManifold, Point, ShapeRecord, Surface};
+use crate::room::contacts::state::{Contact, ContactManifold, PairHead, Point, ShapeRecord, Surface};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide};
+use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 /// Contacts per unit: the bits of a word.
 pub(super) const CHUNK: usize = 64;
+/// Pairs from the one that is looked at to the one that is asked for.
+const AHEAD: usize = 4;
 /// sin²(θ/2) of the largest turn of a body over which a manifold is recycled (10°).
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 
@@ -27,7 +30,9 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     shared.tasks.for_each_chunk2(columns, CHUNK, |first, chunk, heads| {
         let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
         let mut news = 0;
-        for (i, (c, h)) in chunk.iter_mut().zip(heads).enumerate() {
+        for i in 0..chunk.len() {
+            call(shared, chunk, heads, i + AHEAD);
+            let (c, h) = (&mut chunk[i], &mut heads[i]);
             let [a, b] = h.bodies.map(|b| shared.travel[b as usize]);
             if a + b < h.until && shared.fat[h.shapes[0] as usize].overlaps(&shared.fat[h.shapes[1] as usize])
             {
@@ -40,6 +45,17 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         shared.scratch.news.0[first / CHUNK].store(news, Ordering::Relaxed);
     });
     (world.contacts, world.heads) = (contacts, heads);
+}
+
+/// Asks for what the look at a pair will read.
+fn call(world: &World, contacts: &[Contact], heads: &[PairHead], i: usize) {
+    let (Some(c), Some(h)) = (contacts.get(i), heads.get(i)) else { return };
+    h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
+    prefetch(&c.id);
+    prefetch(&c.edge);
+    if h.touching {
+        prefetch(&c.manifold);
+    }
 }
 
 /// Two points nearer than a centimetre (squared) may be one.
@@ -166,10 +182,8 @@ fn test(world: &World, c: &mut Contact, pose: &Pose, set: &mut ManifoldSet, dt: 
         b_in_a.p += (direction(c.body_b) - direction(c.body_a)) * (ASIDE * thin);
     }
     // Pairs that must be seen a step ahead: those that bounce, and bodies that must not be stopped between steps.
-    let bouncy = world.bodies[c.body_a].looks_ahead()
-        || world.bodies[c.body_b].looks_ahead()
-        || ra.material.restitution > 0.0
-        || rb.material.restitution > 0.0;
+    let bouncy =
+        fa.looks_ahead || fb.looks_ahead || ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
     let margin = margin(world, c, bouncy, dt);
     collide(&ra.shape, &rb.shape, &b_in_a, margin, &mut c.cache, set);
     // How far ahead a bouncing pair looks changes from step to step.

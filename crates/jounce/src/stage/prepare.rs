@@ -10,6 +10,9 @@ use crate::world::World;
 use jounce_lanes::{dispatch, prefetch};
 use jounce_tasks::{ColorSets, Row};
 
+/// Contacts from the one that is looked at to the one that is asked for.
+const AHEAD: usize = 8;
+
 pub(crate) fn run(world: &mut World, step: &Step) {
     name_items(world);
     color(world);
@@ -107,6 +110,11 @@ fn color(world: &mut World) {
     scratch.rows.clear();
     scratch.deep.clear();
     for (i, h) in world.heads.iter().enumerate() {
+        // What is read of a contact lies in two lines.
+        if let Some(ahead) = world.contacts.get(i + AHEAD).filter(|_| world.heads[i + AHEAD].touching) {
+            prefetch(&ahead.id);
+            prefetch(&ahead.manifold.normal);
+        }
         if !h.touching {
             continue;
         }

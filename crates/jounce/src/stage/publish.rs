@@ -82,15 +82,14 @@ fn look(world: &World, step: &Step, b: &BodyStep, v: Vec3, left: &mut Left) -> f
     if room > ahead.length() {
         return room;
     }
-    let body = &world.bodies[b.body];
     // Bouncing pairs must be seen a step ahead.
-    let far = world.bouncy > 0 || body.looks_ahead();
+    let far = world.bouncy > 0 || world.frames[b.body as usize].looks_ahead;
     if !far && room > 0.0 {
         return room;
     }
     let ahead = if far { ahead } else { Vec3::ZERO };
     let mut room = f32::INFINITY;
-    for &s in &body.shapes {
+    for &s in &world.bodies[b.body].shapes {
         let r = &world.shapes[s];
         let leaf = match r.place {
             Place::MovingTree(leaf) => leaf,

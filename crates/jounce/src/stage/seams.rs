@@ -36,9 +36,8 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     let mut count = core::mem::take(&mut world.scratch.parent);
     count.clear();
     count.resize(world.awake.state.len(), 0);
-    let touching = world.contacts.iter().zip(&world.heads).filter(|(_, h)| h.touching);
-    for (c, _) in touching.filter(|(c, _)| c.fixed) {
-        for body in [c.body_a, c.body_b] {
+    for h in world.heads.iter().filter(|h| h.touching && h.fixed) {
+        for body in h.bodies {
             if let Some(n) = count.get_mut(world.frames[body as usize].row as usize) {
                 *n += 1;
             }

@@ -21,6 +21,7 @@
 use super::state::{Contact, PairHead};
 use crate::groups::{root, unite};
 use crate::room::rigid::state::Awake;
+use jounce_lanes::prefetch;
 use jounce_math::{Vec3, scalar::f32s};
 
 /// Ratio of load to weight from which a body counts as squeezed, and from which it is treated in full.
@@ -34,6 +35,9 @@ const RAISE_MAX: f32 = 1e4;
 /// A raised mass falls by at most this factor a step: the impulses that balance it now start the next step, and would throw
 /// the body away if it were light again at once.
 const FALL: f32 = 0.5;
+
+/// Contacts from the one that is looked at to the one that is asked for.
+const AHEAD: usize = 8;
 
 /// Memory that is reused from step to step and is not state.
 #[derive(Clone, Debug, Default)]
@@ -60,8 +64,15 @@ pub(crate) fn raise(
     let Loads { sums, parent, groups } = loads;
     sums.clear();
     sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
-    for (c, _) in contacts.iter().zip(heads).filter(|(_, h)| h.touching) {
-        let rows = [row(c.body_a), row(c.body_b)];
+    for (i, (c, h)) in contacts.iter().zip(heads).enumerate() {
+        if let Some(ahead) = contacts.get(i + AHEAD).filter(|_| heads[i + AHEAD].touching) {
+            prefetch(&ahead.id);
+            prefetch(&ahead.manifold.normal);
+        }
+        if !h.touching {
+            continue;
+        }
+        let rows = h.bodies.map(&row);
         for m in c.manifolds().filter(|m| m.total != 0.0) {
             for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
                 if let Some(s) = sums.get_mut(row as usize) {

@@ -210,8 +210,9 @@ pub(crate) struct PairHead {
     pub bodies: [u32; 2],
     /// Sum of the ways of the two bodies (`World::travel`) up to which the pair stays apart for certain, m; −∞ where nothing is certain.
     pub until: f64,
-    /// A copy of [`Contact::touching`].
+    /// Copies of [`Contact::touching`] and [`Contact::fixed`].
     pub touching: bool,
+    pub fixed: bool,
 }
 
 impl PairHead {
@@ -221,20 +222,20 @@ impl PairHead {
             bodies: [c.body_a, c.body_b],
             until: f64::NEG_INFINITY,
             touching: c.touching,
+            fixed: c.fixed,
         }
     }
 }
 
-/// A pair of shapes whose bounds overlap.
+/// A pair of shapes whose bounds overlap. The fields lie in the order in which they are asked for: stages that go through all contacts read one or two lines of each.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub(crate) struct Contact {
     pub id: u32,
     pub shape_a: u32,
     pub shape_b: u32,
     pub body_a: u32,
     pub body_b: u32,
-    /// Positions in the two bodies' contact lists (NONE for a fixed body).
-    pub edge: [u32; 2],
     pub touching: bool,
     /// Result of the last narrow phase, committed serially.
     pub now_touching: bool,
@@ -242,27 +243,29 @@ pub(crate) struct Contact {
     pub fixed: bool,
     /// Which of the two shapes has no bounds.
     pub planes: [bool; 2],
-    pub cache: PairCache,
-    /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
-    pub tested_pose: Pose,
-    /// Rotations of the two bodies then.
-    pub tested_rotations: [Quat; 2],
     pub tested: bool,
-    /// The first manifold; more in `rest`, for meshes and compounds.
-    pub manifold: ContactManifold,
-    pub rest: Vec<ContactManifold>,
-    /// min(slop, 5 % of the thinner shape).
-    pub slop: f32,
-    /// Largest distance from B's origin that matters for turning.
-    pub extent_b: f32,
-    pub recycle_tolerance: f32,
-    /// What the shapes were apart beyond the margin at the last test, m: no part of either meets the other before it has moved so far.
-    pub spare: f32,
     /// Some point is deep inside, and the part of the push-out that is left to this contact; see [`super::crowd`].
     pub deep: bool,
     pub share: f32,
     /// Approach speed at which the two met, for hit events, m/s.
     pub hit_speed: f32,
+    /// More manifolds than the first, for meshes and compounds.
+    pub rest: Vec<ContactManifold>,
+    /// Positions in the two bodies' contact lists (NONE for a fixed body).
+    pub edge: [u32; 2],
+    /// What the shapes were apart beyond the margin at the last test, m: no part of either meets the other before it has moved so far.
+    pub spare: f32,
+    /// Largest distance from B's origin that matters for turning.
+    pub extent_b: f32,
+    pub recycle_tolerance: f32,
+    /// min(slop, 5 % of the thinner shape).
+    pub slop: f32,
+    /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
+    pub tested_pose: Pose,
+    /// Rotations of the two bodies then.
+    pub tested_rotations: [Quat; 2],
+    pub manifold: ContactManifold,
+    pub cache: PairCache,
 }
 
 impl Contact {

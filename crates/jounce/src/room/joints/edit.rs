@@ -174,6 +174,7 @@ impl World {
             if let Some(b) = self.bodies.get_mut(s) {
                 b.joints.retain(|&x| x != slot);
             }
+            self.note_outlook(s);
         }
         if !j.desc.collide {
             self.let_meet(j.body_a, j.body_b);

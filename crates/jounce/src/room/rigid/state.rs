@@ -88,6 +88,8 @@ pub(crate) struct BodyFrame {
     pub rotation0: Quat,
     /// Row in the awake columns, or NONE: a copy of `Body::row`, where collision reads it.
     pub row: u32,
+    /// A copy of [`Body::looks_ahead`], likewise.
+    pub looks_ahead: bool,
 }
 
 impl BodyFrame {
