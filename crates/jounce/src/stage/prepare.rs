@@ -96,7 +96,8 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
 /// By body: its row as the colouring names it. A list of its own, since a look at frames and rows for each contact costs more than all else here.
 fn name_items(world: &mut World) {
     let items = &mut world.scratch.items;
-    items.resize(world.frames.len().max(items.len()), ColorSets::NONE);
+    // Room for those to come too: to grow by one would copy all.
+    items.resize(world.frames.capacity().max(items.len()), ColorSets::NONE);
     for (row, b) in world.awake.step.iter().enumerate() {
         let row = row as u32;
         items[b.body as usize] = if b.kind == BodyKind::Dynamic { row } else { ColorSets::shared(row) };

@@ -19,6 +19,11 @@
 //! * s ≤ 0, relaxing pass: σ = 1, β = ι = 0.
 //! * m = 1/(J M⁻¹ Jᵀ).
 //!
+//! # Warm start
+//! The first substep starts with the impulses of the last step, row by row. Levers and inertia are frozen within a step, so what the rows gave a body in one
+//! substep, Δu = Σ M⁻¹ Jᵀ λ, they give it again in the next: one addition a body instead of a pass over all rows. Δu is summed as the passes change u,
+//! Δu ← Δu + (u after the pass − u before it). Joints, which turn with their bodies, have a warm start of their own. (docs/decisions/0008-warm-start-by-body.md)
+//!
 //! # Friction
 //! One row of two tangents at the weighted centre of the points, one about the normal (twist), one three-dimensional against
 //! rolling; all in the relaxing pass, bounded by the normal impulse there. Static and kinetic: one stick bit per manifold; see
