@@ -4,6 +4,7 @@
 //! wide comparisons decide about all. Each leaf is held against itself and against those behind it: every pair comes up once.
 
 use super::broadphase::Curve;
+use super::reach::{Sides, meets, put, sides};
 use crate::world::World;
 use jounce_geometry::Aabb;
 use jounce_lanes::{LANES_MAX, Lanes, Mask};
@@ -22,39 +23,20 @@ const SPARSE: usize = 8;
 const LARGE: f32 = 4.0;
 
 /// The six sides of sixteen boxes; empty boxes where there are fewer.
-type Columns = [[f32; WIDE]; 6];
+type Columns = Sides<WIDE>;
 
 const NOTHING: Columns = {
     let (least, most) = ([f32::INFINITY; WIDE], [f32::NEG_INFINITY; WIDE]);
     [least, least, least, most, most, most]
 };
 
-fn put(columns: &mut Columns, i: usize, b: &Aabb) {
-    columns[0][i] = b.min.x;
-    columns[1][i] = b.min.y;
-    columns[2][i] = b.min.z;
-    columns[3][i] = b.max.x;
-    columns[4][i] = b.max.y;
-    columns[5][i] = b.max.z;
-}
-
-/// Bit by box that meets another; touching counts, as for [`Aabb::overlaps`].
+/// Bit by box that meets another.
 #[inline(always)]
-fn meets<L: Lanes>(columns: &Columns, b: &[f32; 6]) -> u32 {
+fn hits<L: Lanes>(columns: &Columns, b: &[f32; 6]) -> u32 {
     let mut bits = 0;
     let mut at = 0;
     while at < WIDE {
-        let side = jounce_lanes::six(
-            #[inline(always)]
-            |i| L::load(&columns[i][at..]),
-        );
-        let met = side[0].le(L::splat(b[3]))
-            & side[1].le(L::splat(b[4]))
-            & side[2].le(L::splat(b[5]))
-            & side[3].ge(L::splat(b[0]))
-            & side[4].ge(L::splat(b[1]))
-            & side[5].ge(L::splat(b[2]));
-        bits |= met.bits() << at;
+        bits |= meets::<L, WIDE>(columns, at, b).bits() << at;
         at += L::WIDTH;
     }
     bits
@@ -211,13 +193,12 @@ impl jounce_lanes::Kernel for Join<'_> {
     fn run<L: Lanes>(self) -> bool {
         let Self { flat, leaf, see } = self;
         let a = &flat.leaves[leaf];
-        let around =
-            [a.bounds.min.x, a.bounds.min.y, a.bounds.min.z, a.bounds.max.x, a.bounds.max.y, a.bounds.max.z];
+        let around = sides(&a.bounds);
         let top = flat.levels.len() - 1;
         // Node on each level, and which of its children are left.
         let mut path = [(0, 0_u32); LEVELS];
         let mut level = top;
-        path[top] = (0, meets::<L>(&flat.nodes[flat.levels[top]], &around));
+        path[top] = (0, hits::<L>(&flat.nodes[flat.levels[top]], &around));
         loop {
             let (n, left) = path[level];
             if left == 0 {
@@ -235,7 +216,7 @@ impl jounce_lanes::Kernel for Join<'_> {
             }
             if level > 0 {
                 level -= 1;
-                path[level] = (child, meets::<L>(&flat.nodes[flat.levels[level] + child], &around));
+                path[level] = (child, hits::<L>(&flat.nodes[flat.levels[level] + child], &around));
                 continue;
             }
             let b = &flat.leaves[child];
@@ -243,13 +224,13 @@ impl jounce_lanes::Kernel for Join<'_> {
                 continue;
             }
             for m in 0..a.len {
-                let mut new = meets::<L>(&b.now, &row(&a.now, m));
+                let mut new = hits::<L>(&b.now, &row(&a.now, m));
                 if child == leaf {
                     // Of a leaf's own shapes, each meets those behind it.
                     new &= !1 << m;
                 }
                 if new != 0 {
-                    new &= !meets::<L>(&b.before, &row(&a.before, m));
+                    new &= !hits::<L>(&b.before, &row(&a.before, m));
                 }
                 while new != 0 {
                     if !see(a.slots[m], b.slots[new.trailing_zeros() as usize]) {

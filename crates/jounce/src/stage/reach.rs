@@ -64,8 +64,8 @@ impl Group {
 /// Boxes by column: the six sides as they are, and as they were.
 #[repr(align(64))]
 pub(super) struct Block {
-    now: [[f32; BLOCK]; 6],
-    before: [[f32; BLOCK]; 6],
+    now: Sides<BLOCK>,
+    before: Sides<BLOCK>,
     pub slots: [u32; BLOCK],
     len: usize,
 }
@@ -115,10 +115,11 @@ impl jounce_lanes::Kernel for Kernel<'_> {
         }
         let filled = u64::MAX >> (BLOCK - block.len);
         for (m, hits) in out.iter_mut().enumerate().take(group.len) {
+            let (now, before) = (sides(&group.fat[m]), sides(&group.before[m]));
             let mut at = 0;
             while at < block.len {
-                let new = meets::<L>(&block.now, at, &group.fat[m])
-                    & !meets::<L>(&block.before, at, &group.before[m]);
+                let new =
+                    meets::<L, BLOCK>(&block.now, at, &now) & !meets::<L, BLOCK>(&block.before, at, &before);
                 *hits |= u64::from(new.bits()) << at;
                 at += L::WIDTH;
             }
@@ -128,19 +129,33 @@ impl jounce_lanes::Kernel for Kernel<'_> {
     }
 }
 
-/// Touching counts, as for [`Aabb::overlaps`].
+/// The six sides of boxes, by column.
+pub(super) type Sides<const N: usize> = [[f32; N]; 6];
+
+/// The sides of one box, in the order of the columns.
 #[inline(always)]
-fn meets<L: Lanes>(columns: &[[f32; BLOCK]; 6], at: usize, b: &Aabb) -> L::Mask {
+pub(super) fn sides(b: &Aabb) -> [f32; 6] {
+    [b.min.x, b.min.y, b.min.z, b.max.x, b.max.y, b.max.z]
+}
+
+#[inline(always)]
+pub(super) fn put<const N: usize>(columns: &mut Sides<N>, i: usize, b: &Aabb) {
+    columns.iter_mut().zip(sides(b)).for_each(|(c, side)| c[i] = side);
+}
+
+/// Which boxes from `at` on meet another; touching counts, as for [`Aabb::overlaps`].
+#[inline(always)]
+pub(super) fn meets<L: Lanes, const N: usize>(columns: &Sides<N>, at: usize, b: &[f32; 6]) -> L::Mask {
     let side = jounce_lanes::six(
         #[inline(always)]
         |i| L::load(&columns[i][at..]),
     );
-    side[0].le(L::splat(b.max.x))
-        & side[1].le(L::splat(b.max.y))
-        & side[2].le(L::splat(b.max.z))
-        & side[3].ge(L::splat(b.min.x))
-        & side[4].ge(L::splat(b.min.y))
-        & side[5].ge(L::splat(b.min.z))
+    side[0].le(L::splat(b[3]))
+        & side[1].le(L::splat(b[4]))
+        & side[2].le(L::splat(b[5]))
+        & side[3].ge(L::splat(b[0]))
+        & side[4].ge(L::splat(b[1]))
+        & side[5].ge(L::splat(b[2]))
 }
 
 #[cfg(test)]

@@ -164,13 +164,6 @@ struct Bodies<L> {
     inv: L,
 }
 
-/// T v for a symmetric tensor xx, yy, zz, xy, xz, yz.
-#[inline(always)]
-fn times<L: Lanes>(t: &[L; 6], v: Wide3<L>) -> Wide3<L> {
-    let [xx, yy, zz, xy, xz, yz] = *t;
-    Wide3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
-}
-
 /// Sets a direction's Jacobian; gives J M⁻¹ Jᵀ.
 #[inline(always)]
 fn set_jacobian<L: Lanes>(
@@ -182,7 +175,7 @@ fn set_jacobian<L: Lanes>(
     at: usize,
 ) -> (L, [Wide3<L>; 4]) {
     let (ja, jb) = (ra.cross(dir), rb.cross(dir));
-    let (ia, ib) = (times(&m.inertia[0], ja), times(&m.inertia[1], jb));
+    let (ia, ib) = (ja.turned(&m.inertia[0]), jb.turned(&m.inertia[1]));
     ja.store(&mut j.a, at);
     jb.store(&mut j.b, at);
     ia.store(&mut j.ia, at);
@@ -336,7 +329,7 @@ fn prepare_friction<L: Lanes>(
         velocity.dot(t).store(&mut block.surface_speed[i][at..]);
         L::zero().store(&mut block.friction_total[i][at..]);
     }
-    let (ia, ib) = (times(&m.inertia[0], n), times(&m.inertia[1], n));
+    let (ia, ib) = (n.turned(&m.inertia[0]), n.turned(&m.inertia[1]));
     ia.store(&mut block.twist_ia, at);
     ib.store(&mut block.twist_ib, at);
     invert(n.dot(ia) + n.dot(ib)).store(&mut block.twist_mass[at..]);

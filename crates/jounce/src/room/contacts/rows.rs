@@ -77,10 +77,15 @@ impl<L: Lanes> Wide3<L> {
     /// T v for a symmetric tensor stored xx, yy, zz, xy, xz, yz.
     #[inline(always)]
     pub fn times(self, t: &[Lane; 6], at: usize) -> Self {
-        let [xx, yy, zz, xy, xz, yz] = six(
+        self.turned(&six(
             #[inline(always)]
             |i: usize| L::load(&t[i][at..]),
-        );
+        ))
+    }
+    /// The same for a tensor in registers.
+    #[inline(always)]
+    pub fn turned(self, t: &[L; 6]) -> Self {
+        let [xx, yy, zz, xy, xz, yz] = *t;
         Self::new(
             xx * self.x + xy * self.y + xz * self.z,
             xy * self.x + yy * self.y + yz * self.z,
