@@ -174,14 +174,10 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
                     inverse += f64s::max(dot(&g, &set.firm.response(side.first + k)[side.place]), 0.0);
                     apart += p.alone[i];
                 } else {
-                    let j = &block.points[k].j;
-                    let (mass, turn) = if i == 0 {
-                        (block.inv_mass_a[r.lane], j.a.get(r.lane).dot(j.ia.get(r.lane)))
-                    } else {
-                        (block.inv_mass_b[r.lane], j.b.get(r.lane).dot(j.ib.get(r.lane)))
-                    };
-                    inverse += f64::from(mass + turn);
-                    apart += f64::from(mass + turn);
+                    let (turn, inertia) = (block.turns(k, r.lane)[i], block.inertia(i, r.lane));
+                    let own = f64::from(inertia.inv_mass + turn.dot(inertia.mul(turn)));
+                    inverse += own;
+                    apart += own;
                 }
             }
             let inverse = if inverse > LEAST * apart { inverse } else { apart };
@@ -212,8 +208,8 @@ fn owners(frames: &[BodyFrame], owners: &[(u32, u32)], c: &Contact) -> Option<[(
 
 /// g of a point for body A (0) or B (1).
 fn row_of(block: &Block, lane: usize, point: usize, side: usize) -> Six {
-    let (n, j) = (block.normal.get(lane), &block.points[point].j);
-    let (n, turn) = if side == 0 { (-n, -j.a.get(lane)) } else { (n, j.b.get(lane)) };
+    let (n, turn) = (block.normal.get(lane), block.turns(point, lane)[side]);
+    let (n, turn) = if side == 0 { (-n, -turn) } else { (n, turn) };
     [n.x, n.y, n.z, turn.x, turn.y, turn.z].map(f64::from)
 }
 
@@ -297,13 +293,10 @@ impl Work<'_> {
                 set.firm.given[side.place].iter_mut().zip(g).for_each(|(x, g)| *x += g * d);
                 set.firm.react(side.first + point, d);
             } else if let Some(s) = self.state.get_mut(side.row as usize) {
-                let (n, j) = (block.normal.get(r.lane), &block.points[point].j);
-                let (inv_mass, turn, sign) = if i == 0 {
-                    (block.inv_mass_a[r.lane], j.ia.get(r.lane), -1.0)
-                } else {
-                    (block.inv_mass_b[r.lane], j.ib.get(r.lane), 1.0)
-                };
-                s.set_velocity(s.v() + n * (sign * inv_mass * d), s.w() + turn * (sign * d));
+                let (turn, inertia) = (block.turns(point, r.lane)[i], block.inertia(i, r.lane));
+                let d = if i == 0 { -d } else { d };
+                let (dv, dw) = (block.normal.get(r.lane) * (inertia.inv_mass * d), inertia.mul(turn) * d);
+                s.set_velocity(s.v() + dv, s.w() + dw);
             }
         }
     }
@@ -322,7 +315,8 @@ impl Work<'_> {
             (m.dp, m.dr)
         };
         let [(pa, ta), (pb, tb)] = [moved(&r.sides[0]), moved(&r.sides[1])];
-        let turned = p.j.b.get(r.lane).dot(tb) - p.j.a.get(r.lane).dot(ta);
+        let [ja, jb] = block.turns(point, r.lane);
+        let turned = jb.dot(tb) - ja.dot(ta);
         p.separation[r.lane] + block.normal.get(r.lane).dot(pb - pa) + turned
     }
 
@@ -374,8 +368,9 @@ fn soften(block: &Block, l: usize, s: f32, k: &StepConstants) -> [f32; 3] {
     if s > 0.0 {
         return [s * k.inv_h, 1.0, 0.0];
     }
-    let sigma = block.mass_scale[l];
-    [f32s::max(sigma * block.bias_rate[l] * s, block.push_out[l]), sigma, block.impulse_scale[l]]
+    let soft = if block.inv_mass_a[l] == 0.0 || block.inv_mass_b[l] == 0.0 { k.fixed } else { k.moving };
+    let (sigma, share) = (soft.mass_scale, block.share[l]);
+    [f32s::max(sigma * soft.bias_rate * share * s, -k.push_out_speed * share), sigma, soft.impulse_scale]
 }
 
 /// Without bias; then what joints gave in the substep is known.

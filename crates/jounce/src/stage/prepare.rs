@@ -66,7 +66,7 @@ fn raise_squeezed(world: &mut World, step: &Step) {
 }
 
 fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step: &Step) {
-    (block.any_rolling, block.any_rebound) = (false, false);
+    (block.any_rolling, block.any_surface, block.any_rebound) = (false, false, false);
     block.rebound_change = [-1.0; LANES];
     (block.rows, block.points_max) = (rows.len(), 0);
     // What the next block reads lies anywhere.
@@ -84,11 +84,11 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
         let c = &world.contacts[contact as usize];
         let bodies = [row.a(), row.b()].map(ColorSets::index);
         sources.put(l, c.get(manifold as usize), bodies, &world.awake);
-        fill(block, l, c, &sources, &step.constants);
+        fill(block, l, c, &sources);
     }
     // The kernel makes lanes without a row zero; these come from rows alone.
     for l in rows.len()..LANES {
-        block.mu[l] = 0.0;
+        (block.mu[l], block.share[l]) = (0.0, 0.0);
     }
     dispatch(world.width, Prepare { block, sources: &sources, constants: &step.constants });
 }

@@ -48,14 +48,14 @@ fn points(b: &Block) -> usize {
 /// Does some point of the block have speed to give back, and was it pushed?
 fn bounces(b: &Block) -> bool {
     b.any_rebound
-        && b.points[..points(b)]
+        && b.sums[..points(b)]
             .iter()
             .any(|p| p.rebound.iter().zip(&p.total).any(|(r, t)| *r > 0.0 && *t > 0.0))
 }
 
 /// Impulse that a row's points gave over the step.
 fn compression(b: &Block, l: usize) -> f32 {
-    b.points[..points(b)].iter().map(|p| p.total[l]).sum()
+    b.sums[..points(b)].iter().map(|p| p.total[l]).sum()
 }
 
 /// Takes the rebound from rows of bodies that are pushed from opposite sides.
@@ -83,7 +83,7 @@ fn hold_squeezed(world: &mut World) {
             let b = &mut list[i / LANES];
             if b.any_rebound && (squeezed(row.a()) || squeezed(row.b())) {
                 let n = points(b);
-                b.points[..n].iter_mut().for_each(|p| p.rebound[i % LANES] = 0.0);
+                b.sums[..n].iter_mut().for_each(|p| p.rebound[i % LANES] = 0.0);
             }
         }
     }

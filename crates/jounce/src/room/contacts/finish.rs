@@ -12,7 +12,7 @@
 //! "Not speeding up" keeps a block that has just broken loose sliding; without the bit, a block slides for ever wherever
 //! μ_k < tan θ < μ_s.
 
-use super::rows::{Block, LANES, Lane, Outcome, Wide3, velocity};
+use super::rows::{Block, LANES, Lane, Outcome, Wide3, basis, surface, velocity};
 use super::state::ContactManifold;
 use crate::room::rigid::state::BodyState;
 use jounce_lanes::{Kernel, Lanes};
@@ -45,33 +45,29 @@ fn collect<L: Lanes>(block: &mut Block, states: &[[&BodyState; LANES]; 2], at: u
     let (zero, one) = (L::zero(), L::splat(1.0));
     let (mut bound, mut hit, mut bounced) = (zero, zero, zero);
     let mut points = [zero; 8];
-    for (i, rows) in block.points.iter().enumerate().take(block.points_max) {
-        let total = L::load(&rows.total[at..]);
+    for (i, (rows, sums)) in block.points.iter().zip(&block.sums).enumerate().take(block.points_max) {
+        let total = L::load(&sums.total[at..]);
         points[i] = L::load(&rows.impulse[at..]);
         points[4 + i] = total;
         bound = bound + total;
         let gave = total.gt(zero);
-        hit = L::select(gave, hit.max(L::load(&rows.approach[at..])), hit);
+        hit = L::select(gave, hit.max(L::load(&sums.approach[at..])), hit);
         if block.any_rebound {
-            let back = L::load(&rows.rebound[at..]).gt(zero);
+            let back = L::load(&sums.rebound[at..]).gt(zero);
             bounced = L::select(gave & back, one, bounced);
         }
     }
     let n = Wide3::<L>::load(&block.normal, at);
-    let t1 = Wide3::<L>::load(&block.tangent, at);
-    let tangents = [t1, n.cross(t1)];
+    let (t1, t2) = basis(n);
+    let tangents = [t1, t2];
     let friction = along(&block.friction_impulse, tangents, at);
     let total = along(&block.friction_total, tangents, at);
     let (va, wa) = velocity::<L>(&states[0], at);
     let (vb, wb) = velocity::<L>(&states[1], at);
-    let dv = vb.sub(va);
-    let mut slip = Wide3::new(zero, zero, zero);
-    for (i, t) in tangents.into_iter().enumerate() {
-        let j = &block.friction[i];
-        let turned = t.dot(dv) + Wide3::load(&j.b, at).dot(wb) - Wide3::load(&j.a, at).dot(wa);
-        let part = t.scale(turned - L::load(&block.surface_speed[i][at..]));
-        slip = if i == 0 { part } else { slip.add(part) };
-    }
+    let (ra, rb) = (Wide3::load(&block.arm_a, at), Wide3::load(&block.arm_b, at));
+    let dv = vb.sub(va).add(wb.cross(rb)).sub(wa.cross(ra));
+    let wanted = surface::<L>(block, at);
+    let slip = t1.scale(t1.dot(dv) - wanted[0]).add(t2.scale(t2.dot(dv) - wanted[1]));
     // Over the whole step: within one substep the normal impulse of a rocking body may dip, which means nothing.
     let limit = L::load(&block.mu[at..]) * bound;
     let saturated = L::select(total.dot(total).ge(L::splat(0.999) * limit * limit), one, zero);

@@ -1,7 +1,7 @@
 //! From manifolds to solver rows, once per step: [`Prepare`] transposes the manifolds and bodies of a block into lanes, and computes
 //! Jacobians and effective masses for all of them at once; [`fill`] adds what is decided row by row.
 
-use super::rows::{Block, LANES, Wide3, velocity};
+use super::rows::{Block, LANES, Wide3, basis, coupling, velocity};
 use super::state::{Contact, ContactManifold};
 use crate::room::rigid::state::{Awake, BodyState, InvInertia};
 use crate::settings::Settings;
@@ -110,24 +110,21 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// What of a row is no lane of its manifold's: softness, friction by the stick bit, how it rolls.
-pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, s: &Sources<'_>, k: &StepConstants) {
+/// What of a row is no lane of its manifold's: share, friction by the stick bit, how it rolls.
+pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, s: &Sources<'_>) {
     let l = l % LANES;
     let m = s.manifolds[l];
-    let [a, b] = [s.inertia[0][l], s.inertia[1][l]];
-    let soft = if a.inv_mass == 0.0 || b.inv_mass == 0.0 { k.fixed } else { k.moving };
-    block.bias_rate[l] = soft.bias_rate * c.share;
-    block.push_out[l] = -k.push_out_speed * c.share;
-    block.mass_scale[l] = soft.mass_scale;
-    block.impulse_scale[l] = soft.impulse_scale;
+    block.share[l] = c.share;
     block.mu[l] = if m.stick { m.surface.static_friction } else { m.surface.kinetic_friction };
     block.points_max = block.points_max.max(usize::from(m.count).min(4));
     block.any_rebound |= m.surface.restitution > 0.0;
+    block.any_surface |= m.surface.velocity != Vec3::ZERO;
     if m.surface.rolling_friction > 0.0 {
         if !block.any_rolling {
             block.any_rolling = true;
             block.rolling_mass = [[0.0; LANES]; 6];
         }
+        let [a, b] = [s.inertia[0][l], s.inertia[1][l]];
         let r = (a.to_mat3() + b.to_mat3()).inverse().unwrap_or(Mat3::ZERO);
         for (field, v) in block.rolling_mass.iter_mut().zip([r.cx.x, r.cy.y, r.cz.z, r.cy.x, r.cz.x, r.cz.y])
         {
@@ -164,42 +161,30 @@ struct Bodies<L> {
     inv: L,
 }
 
-/// Sets a direction's Jacobian; gives J M⁻¹ Jᵀ.
-#[inline(always)]
-fn set_jacobian<L: Lanes>(
-    j: &mut super::rows::Jacobian,
-    m: &Bodies<L>,
-    dir: Wide3<L>,
-    ra: Wide3<L>,
-    rb: Wide3<L>,
-    at: usize,
-) -> (L, [Wide3<L>; 4]) {
-    let (ja, jb) = (ra.cross(dir), rb.cross(dir));
-    let (ia, ib) = (ja.turned(&m.inertia[0]), jb.turned(&m.inertia[1]));
-    ja.store(&mut j.a, at);
-    jb.store(&mut j.b, at);
-    ia.store(&mut j.ia, at);
-    ib.store(&mut j.ib, at);
-    (m.inv + ja.dot(ia) + jb.dot(ib), [ja, jb, ia, ib])
+/// A direction's Jacobian by its angular parts r × d, and I⁻¹ times them, of both bodies.
+#[derive(Clone, Copy)]
+struct Jacobian<L> {
+    turn: [Wide3<L>; 2],
+    back: [Wide3<L>; 2],
+}
+
+impl<L: Lanes> Jacobian<L> {
+    #[inline(always)]
+    fn new(m: &Bodies<L>, dir: Wide3<L>, [ra, rb]: [Wide3<L>; 2]) -> Self {
+        let (a, b) = (ra.cross(dir), rb.cross(dir));
+        Self { turn: [a, b], back: [a.turned(&m.inertia[0]), b.turned(&m.inertia[1])] }
+    }
+    /// What one direction's impulse does to the speed along another: the turns' part of J M⁻¹ Jᵀ.
+    #[inline(always)]
+    fn dot(&self, o: &Self) -> L {
+        self.turn[0].dot(o.back[0]) + self.turn[1].dot(o.back[1])
+    }
 }
 
 /// 1/x, or 0 where x is not positive.
 #[inline(always)]
 fn invert<L: Lanes>(x: L) -> L {
     L::select(x.gt(L::zero()), L::splat(1.0) / x, L::zero())
-}
-
-/// Two unit vectors that make a right-handed basis with a unit vector (Duff et al. 2017), lane by lane.
-#[inline(always)]
-fn basis<L: Lanes>(n: Wide3<L>) -> (Wide3<L>, Wide3<L>) {
-    let one = L::splat(1.0);
-    let sign = L::select(n.z.ge(L::zero()), one, L::splat(-1.0));
-    let a = L::splat(-1.0) / (sign + n.z);
-    let b = n.x * n.y * a;
-    (
-        Wide3::new(one + sign * n.x * n.x * a, sign * b, -(sign * n.x)),
-        Wide3::new(b, sign + n.y * n.y * a, -n.y),
-    )
 }
 
 #[inline(always)]
@@ -218,7 +203,6 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
     );
     restitution.store(&mut block.restitution[at..]);
     rolling.store(&mut block.rolling[at..]);
-    patch.store(&mut block.twist_patch[at..]);
     let ((va, wa), (vb, wb)) = (velocity::<L>(&s.states[0], at), velocity(&s.states[1], at));
     let [axx, ayy, azz, axy, axz, ayz, ma, _] = inertia::<L>(&s.inertia[0], at);
     let [bxx, byy, bzz, bxy, bxz, byz, mb, _] = inertia::<L>(&s.inertia[1], at);
@@ -226,19 +210,18 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
     mb.store(&mut block.inv_mass_b[at..]);
     let m =
         Bodies { inertia: [[axx, ayy, azz, axy, axz, ayz], [bxx, byy, bzz, bxy, bxz, byz]], inv: ma + mb };
-    if block.any_rolling {
-        for i in 0..6 {
-            m.inertia[0][i].store(&mut block.inertia_a[i][at..]);
-            m.inertia[1][i].store(&mut block.inertia_b[i][at..]);
-        }
+    for i in 0..6 {
+        m.inertia[0][i].store(&mut block.inertia_a[i][at..]);
+        m.inertia[1][i].store(&mut block.inertia_b[i][at..]);
     }
     let dv = vb.sub(va);
     let closing = -n.dot(Wide3::load(&s.acceleration, at));
-    let mut center = Wide3::new(L::zero(), L::zero(), L::zero());
-    let mut weights = L::zero();
-    let mut arms = [center; 4];
+    let none = Wide3::new(L::zero(), L::zero(), L::zero());
+    let (mut center, mut weights) = (none, L::zero());
+    let mut arms = [none; 4];
+    let mut jacobians = [Jacobian { turn: [none; 2], back: [none; 2] }; 4];
     let counts = counts::<L>(s, at);
-    for (i, (rows, arm)) in block.points.iter_mut().zip(&mut arms).enumerate().take(block.points_max) {
+    for i in 0..block.points_max.min(4) {
         let there = counts.gt(L::splat(i as f32));
         let [rx, ry, rz, separation, impulse, ..] = L::gather8_of(
             #[inline(always)]
@@ -248,17 +231,18 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
         let ra =
             Wide3::new(L::select(there, rx, none), L::select(there, ry, none), L::select(there, rz, none));
         let (gap, old) = (L::select(there, separation, none), L::select(there, impulse * warm, none));
-        *arm = ra;
         let present = L::select(there, L::splat(1.0), L::zero());
-        let (kn, [ja, jb, ..]) = set_jacobian(&mut rows.j, &m, n, ra, ra.sub(offset), at);
-        let mass = invert(kn) * present;
+        let j = Jacobian::new(&m, n, [ra, ra.sub(offset)]);
+        let mass = invert(m.inv + j.dot(&j)) * present;
+        let (rows, sums) = (&mut block.points[i], &mut block.sums[i]);
         mass.store(&mut rows.mass[at..]);
         // What cannot be moved is not pushed, and keeps nothing of what it was.
         L::select(mass.gt(L::zero()), old, L::zero()).store(&mut rows.impulse[at..]);
-        L::zero().store(&mut rows.total[at..]);
+        L::zero().store(&mut sums.total[at..]);
         gap.store(&mut rows.separation[at..]);
-        let vn = n.dot(dv) + jb.dot(wb) - ja.dot(wa);
-        (-vn).store(&mut rows.approach[at..]);
+        let vn = n.dot(dv) + j.turn[1].dot(wb) - j.turn[0].dot(wa);
+        (-vn).store(&mut sums.approach[at..]);
+        (arms[i], jacobians[i]) = (ra, j);
         // A point about to open counts less, so that the friction centre moves smoothly; those beyond twice the
         // margin hardly count.
         let weight =
@@ -269,21 +253,30 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
             let (speed, half) = impact_speed(-vn, closing, gap, k.h);
             let e = restitution;
             let bounces = vn.lt(L::zero()) & speed.gt(L::splat(k.restitution_speed)) & e.gt(L::zero());
-            L::select(bounces, e * speed + half, L::zero()).store(&mut rows.rebound[at..]);
+            L::select(bounces, e * speed + half, L::zero()).store(&mut sums.rebound[at..]);
         }
     }
     let center = center.scale(invert(weights));
-    for (rows, arm) in block.points.iter_mut().zip(&arms).take(block.points_max) {
-        let d = arm.sub(center);
-        d.dot(d).sqrt().store(&mut rows.lever[at..]);
+    let (t1, t2) = basis(n);
+    for j in 0..block.points_max.min(4) {
+        let d = arms[j].sub(center);
+        d.dot(t1).store(&mut block.points[j].x[at..]);
+        d.dot(t2).store(&mut block.points[j].y[at..]);
+        (d.dot(d).sqrt() + patch).store(&mut block.sums[j].lever[at..]);
+        for i in 0..j {
+            (m.inv + jacobians[i].dot(&jacobians[j])).store(&mut block.coupling[coupling(i, j)][at..]);
+        }
     }
+    let arm = [center, center.sub(offset)];
+    arm[0].store(&mut block.arm_a, at);
+    arm[1].store(&mut block.arm_b, at);
     let [fx, fy, fz, px, py, pz, ..] = L::gather8_of(
         #[inline(always)]
         |l| s.manifolds[(at + l) % LANES].friction_lanes(),
     );
     Wide3::new(px * warm, py * warm, pz * warm).store(&mut block.rolling_impulse, at);
     let friction = Wide3::new(fx * warm, fy * warm, fz * warm);
-    prepare_friction(block, &m, n, [center, center.sub(offset)], friction, Wide3::new(vx, vy, vz), at);
+    prepare_friction(block, &m, n, arm, friction, Wide3::new(vx, vy, vz), at);
 }
 
 #[inline(always)]
@@ -309,28 +302,25 @@ fn prepare_friction<L: Lanes>(
     block: &mut Block,
     m: &Bodies<L>,
     n: Wide3<L>,
-    [ra, rb]: [Wide3<L>; 2],
+    arms: [Wide3<L>; 2],
     impulse: Wide3<L>,
     velocity: Wide3<L>,
     at: usize,
 ) {
     let (t1, t2) = basis(n);
-    t1.store(&mut block.tangent, at);
-    let [f1, f2] = &mut block.friction;
-    let (xx, [ja, jb, ..]) = set_jacobian(f1, m, t1, ra, rb, at);
-    let (yy, [_, _, ia, ib]) = set_jacobian(f2, m, t2, ra, rb, at);
-    let xy = ja.dot(ia) + jb.dot(ib);
+    let (j1, j2) = (Jacobian::new(m, t1, arms), Jacobian::new(m, t2, arms));
+    let (xx, yy, xy) = (m.inv + j1.dot(&j1), m.inv + j2.dot(&j2), j1.dot(&j2));
     let inv = invert(xx * yy - xy * xy);
     (yy * inv).store(&mut block.friction_mass[0][at..]);
     (-(xy * inv)).store(&mut block.friction_mass[1][at..]);
     (xx * inv).store(&mut block.friction_mass[2][at..]);
     for (i, t) in [t1, t2].into_iter().enumerate() {
         impulse.dot(t).store(&mut block.friction_impulse[i][at..]);
-        velocity.dot(t).store(&mut block.surface_speed[i][at..]);
         L::zero().store(&mut block.friction_total[i][at..]);
+        if block.any_surface {
+            velocity.dot(t).store(&mut block.surface_speed[i][at..]);
+        }
     }
     let (ia, ib) = (n.turned(&m.inertia[0]), n.turned(&m.inertia[1]));
-    ia.store(&mut block.twist_ia, at);
-    ib.store(&mut block.twist_ib, at);
     invert(n.dot(ia) + n.dot(ib)).store(&mut block.twist_mass[at..]);
 }

@@ -1,10 +1,23 @@
 //! The solver passes over blocks of rows; the equations are in the room's text.
 //!
+//! # A row's own frame
+//! All points of a manifold share n and lie around the friction centre c, at e = x t₁ + y t₂ (what e has along n turns nothing about n × e). With
+//! the arms r_A, r_B from the centres of mass to c,
+//!
+//! * V = v_B + ω_B × r_B − v_A − ω_A × r_A and Ω = ω_B − ω_A are the relative velocity and spin at c;
+//! * a point's normal speed is v_i = n·V + y_i t₁·Ω − x_i t₂·Ω, and its gap follows from Δp and Δθ in the same way;
+//! * an impulse λ_j changes it by A_ij λ_j, A_ij = J_i M⁻¹ J_jᵀ, which is kept from the start of the step;
+//! * a pass gives the bodies its sum: the force F = n Σ λ and the moment M = t₁ Σ y λ − t₂ Σ x λ at c, by which
+//!   v_A ← v_A − F/m_A, ω_A ← ω_A − I_A⁻¹ (M + r_A × F), and v_B, ω_B likewise with the other sign.
+//!
+//! So a point is five numbers, where its Jacobian with I⁻¹ Jᵀ of both bodies would be twelve: passes are bound by what they read. Friction acts at c
+//! along t₁ and t₂, twist and rolling by a moment alone.
+//!
 //! Written once over [`Lanes`]: one lane is the scalar reference, and every width gives its bits, since a row keeps to its
 //! own lane and the order of operations within a row is that of this text. Rows of a block touch disjoint bodies.
 
 use super::prepare::StepConstants;
-use super::rows::{Block, Jacobian, LANES, Wide3};
+use super::rows::{Block, LANES, Wide3, basis, coupling, surface};
 use crate::room::rigid::state::BodyState;
 use core::ops::Range;
 use jounce_lanes::{Kernel, Lanes, Mask};
@@ -48,17 +61,30 @@ impl Kernel for Sweep<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        match self.block.points_max {
+            0 | 1 => self.over::<L, 1>(),
+            2 => self.over::<L, 2>(),
+            3 => self.over::<L, 3>(),
+            _ => self.over::<L, 4>(),
+        }
+    }
+}
+
+impl Sweep<'_, '_> {
+    /// The pass over rows of up to N points.
+    #[inline(always)]
+    fn over<L: Lanes, const N: usize>(self) {
         let Self { pass, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
             let lanes = Gather { first: rows.start + done, end: rows.end };
             let at = lane + done;
             match pass {
-                Pass::Warm => warm_start::<L>(block, at, access, lanes),
-                Pass::Solve => solve::<L>(block, at, access, lanes, constants),
-                Pass::Relax => relax::<L>(block, at, access, lanes, constants),
-                Pass::Compress => restitution::<L>(block, at, access, lanes, false),
-                Pass::Restitution => restitution::<L>(block, at, access, lanes, true),
+                Pass::Warm => warm_start::<L, N>(block, at, access, lanes),
+                Pass::Solve => solve::<L, N>(block, at, access, lanes, constants),
+                Pass::Relax => relax::<L, N>(block, at, access, lanes, constants),
+                Pass::Compress => restitution::<L, N>(block, at, access, lanes, false),
+                Pass::Restitution => restitution::<L, N>(block, at, access, lanes, true),
             }
             done += L::WIDTH;
         }
@@ -70,6 +96,42 @@ impl Kernel for Sweep<'_, '_> {
 struct Gather {
     first: usize,
     end: usize,
+}
+
+/// n, t₁, t₂, and the arms to the friction centre.
+#[derive(Clone, Copy)]
+struct Frame<L> {
+    n: Wide3<L>,
+    t: [Wide3<L>; 2],
+    ra: Wide3<L>,
+    rb: Wide3<L>,
+}
+
+impl<L: Lanes> Frame<L> {
+    #[inline(always)]
+    fn load(block: &Block, at: usize) -> Self {
+        let n = Wide3::load(&block.normal, at);
+        let (t1, t2) = basis(n);
+        Self { n, t: [t1, t2], ra: Wide3::load(&block.arm_a, at), rb: Wide3::load(&block.arm_b, at) }
+    }
+    /// The same at the points, of motions of the two bodies (velocities, or ways).
+    #[inline(always)]
+    fn at_points<const N: usize>(&self, block: &Block, at: usize, m: &Relative<L>) -> [L; N] {
+        let (middle, w1, w2) = (self.n.dot(m.v), self.t[0].dot(m.w), self.t[1].dot(m.w));
+        let mut out = [L::zero(); N];
+        for i in 0..N {
+            let p = &block.points[i];
+            out[i] = middle + L::load(&p.y[at..]) * w1 - L::load(&p.x[at..]) * w2;
+        }
+        out
+    }
+}
+
+/// Motion of B against A at the friction centre.
+#[derive(Clone, Copy)]
+struct Relative<L> {
+    v: Wide3<L>,
+    w: Wide3<L>,
 }
 
 /// Velocities of the two bodies of a row, changed by impulses.
@@ -84,14 +146,6 @@ struct Pair<L> {
     /// Δp.x and Δp.y ride along in the hot row.
     pa: [L; 2],
     pb: [L; 2],
-}
-
-/// Motion of B against A since the start of the step.
-#[derive(Clone, Copy)]
-struct Moved<L> {
-    dp: Wide3<L>,
-    ra: Wide3<L>,
-    rb: Wide3<L>,
 }
 
 impl<L: Lanes> Pair<L> {
@@ -116,8 +170,17 @@ impl<L: Lanes> Pair<L> {
             pb: [b[6], b[7]],
         }
     }
+    /// V and Ω.
     #[inline(always)]
-    fn moved(&self, access: &Scatter<'_, BodyState>, g: Gather) -> Moved<L> {
+    fn relative(&self, f: &Frame<L>) -> Relative<L> {
+        Relative {
+            v: self.vb.sub(self.va).add(self.wb.cross(f.rb)).sub(self.wa.cross(f.ra)),
+            w: self.wb.sub(self.wa),
+        }
+    }
+    /// The same of the ways since the start of the step.
+    #[inline(always)]
+    fn moved(&self, f: &Frame<L>, access: &Scatter<'_, BodyState>, g: Gather) -> Relative<L> {
         let a = L::gather8(
             #[inline(always)]
             |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
@@ -126,11 +189,9 @@ impl<L: Lanes> Pair<L> {
             #[inline(always)]
             |i| if g.first + i < g.end { &access.b(g.first + i).motion } else { &BodyState::FIXED.motion },
         );
-        Moved {
-            dp: Wide3::new(self.pb[0] - self.pa[0], self.pb[1] - self.pa[1], b[0] - a[0]),
-            ra: Wide3::new(a[1], a[2], a[3]),
-            rb: Wide3::new(b[1], b[2], b[3]),
-        }
+        let (ta, tb) = (Wide3::new(a[1], a[2], a[3]), Wide3::new(b[1], b[2], b[3]));
+        let dp = Wide3::new(self.pb[0] - self.pa[0], self.pb[1] - self.pa[1], b[0] - a[0]);
+        Relative { v: dp.add(tb.cross(f.rb)).sub(ta.cross(f.ra)), w: tb.sub(ta) }
     }
     #[inline(always)]
     fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
@@ -156,77 +217,147 @@ impl<L: Lanes> Pair<L> {
             },
         );
     }
-    /// J u along a direction.
+    /// u ← u + M⁻¹ Jᵀ of a force at the friction centre and a moment.
     #[inline(always)]
-    fn speed(&self, dir: Wide3<L>, j: &Jacobian, at: usize) -> L {
-        dir.dot(self.vb.sub(self.va)) + Wide3::load(&j.b, at).dot(self.wb)
-            - Wide3::load(&j.a, at).dot(self.wa)
+    fn push(&mut self, f: &Frame<L>, block: &Block, at: usize, force: Wide3<L>, moment: Wide3<L>) {
+        self.va = self.va.sub(force.scale(self.ma));
+        self.vb = self.vb.add(force.scale(self.mb));
+        let (a, b) = (moment.add(f.ra.cross(force)), moment.add(f.rb.cross(force)));
+        self.wa = self.wa.sub(a.times(&block.inertia_a, at));
+        self.wb = self.wb.add(b.times(&block.inertia_b, at));
     }
-    /// u ← u + M⁻¹ Jᵀ λ.
+    /// The same of a moment alone.
     #[inline(always)]
-    fn push(&mut self, dir: Wide3<L>, j: &Jacobian, at: usize, lambda: L) {
-        self.va = self.va.sub(dir.scale(self.ma * lambda));
-        self.wa = self.wa.sub(Wide3::load(&j.ia, at).scale(lambda));
-        self.vb = self.vb.add(dir.scale(self.mb * lambda));
-        self.wb = self.wb.add(Wide3::load(&j.ib, at).scale(lambda));
+    fn turn(&mut self, block: &Block, at: usize, moment: Wide3<L>) {
+        self.wa = self.wa.sub(moment.times(&block.inertia_a, at));
+        self.wb = self.wb.add(moment.times(&block.inertia_b, at));
+    }
+    #[inline(always)]
+    fn push_points(&mut self, f: &Frame<L>, block: &Block, at: usize, sum: &Sum<L>) {
+        let moment = f.t[0].scale(sum.m1).sub(f.t[1].scale(sum.m2));
+        self.push(f, block, at, f.n.scale(sum.force), moment);
+    }
+    #[inline(always)]
+    fn push_friction(&mut self, f: &Frame<L>, block: &Block, at: usize, d: [L; 2]) {
+        let zero = L::zero();
+        let force = f.t[0].scale(d[0]).add(f.t[1].scale(d[1]));
+        self.push(f, block, at, force, Wide3::new(zero, zero, zero));
+    }
+}
+
+/// Σ λ, Σ y λ, Σ x λ of points.
+#[derive(Clone, Copy)]
+struct Sum<L> {
+    force: L,
+    m1: L,
+    m2: L,
+}
+
+impl<L: Lanes> Sum<L> {
+    #[inline(always)]
+    fn nothing() -> Self {
+        Self { force: L::zero(), m1: L::zero(), m2: L::zero() }
+    }
+    /// Adds an impulse of point `i`, and what it does to the speeds of the points after it.
+    #[inline(always)]
+    fn add<const N: usize>(&mut self, block: &Block, at: usize, i: usize, d: L, speeds: &mut [L; N]) {
+        let p = &block.points[i];
+        self.force = self.force + d;
+        self.m1 = self.m1 + L::load(&p.y[at..]) * d;
+        self.m2 = self.m2 + L::load(&p.x[at..]) * d;
+        for j in i + 1..N {
+            speeds[j] = speeds[j] + L::load(&block.coupling[coupling(i, j)][at..]) * d;
+        }
     }
 }
 
 #[inline(always)]
-fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, g: Gather) {
-    let n = Wide3::<L>::load(&block.normal, at);
+fn warm_start<L: Lanes, const N: usize>(
+    block: &mut Block,
+    at: usize,
+    access: &mut Scatter<'_, BodyState>,
+    g: Gather,
+) {
+    let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
-    for rows in &block.points[..block.points_max.min(4)] {
-        u.push(n, &rows.j, at, taken(L::load(&rows.mass[at..]), L::load(&rows.impulse[at..]), L::zero()));
+    let mut sum = Sum::nothing();
+    for i in 0..N {
+        let p = &block.points[i];
+        let given = taken(L::load(&p.mass[at..]), L::load(&p.impulse[at..]), L::zero());
+        sum.add::<0>(block, at, i, given, &mut []);
     }
-    let t1 = Wide3::<L>::load(&block.tangent, at);
-    let t2 = n.cross(t1);
-    u.push(t1, &block.friction[0], at, L::load(&block.friction_impulse[0][at..]));
-    u.push(t2, &block.friction[1], at, L::load(&block.friction_impulse[1][at..]));
-    let twist = L::load(&block.twist_impulse[at..]);
-    u.wa = u.wa.sub(Wide3::load(&block.twist_ia, at).scale(twist));
-    u.wb = u.wb.add(Wide3::load(&block.twist_ib, at).scale(twist));
+    let [f1, f2] = &block.friction_impulse;
+    let friction = f.t[0].scale(L::load(&f1[at..])).add(f.t[1].scale(L::load(&f2[at..])));
+    let mut moment = f.t[0].scale(sum.m1).sub(f.t[1].scale(sum.m2));
+    moment = moment.add(f.n.scale(L::load(&block.twist_impulse[at..])));
     if block.any_rolling {
-        let p = Wide3::<L>::load(&block.rolling_impulse, at);
-        u.wa = u.wa.sub(p.times(&block.inertia_a, at));
-        u.wb = u.wb.add(p.times(&block.inertia_b, at));
+        moment = moment.add(Wide3::load(&block.rolling_impulse, at));
     }
+    u.push(&f, block, at, f.n.scale(sum.force).add(friction), moment);
     u.store(access, g);
 }
 
+/// Numbers of the soft rows, lane by lane.
+#[derive(Clone, Copy)]
+struct Soft<L> {
+    bias_rate: L,
+    mass_scale: L,
+    impulse_scale: L,
+}
+
+impl<L: Lanes> Soft<L> {
+    /// Contacts with what cannot be moved are harder.
+    #[inline(always)]
+    fn load(u: &Pair<L>, k: &StepConstants, share: L) -> Self {
+        let fixed = u.ma.eq(L::zero()) | u.mb.eq(L::zero());
+        Self {
+            bias_rate: either::<L>(fixed, k.fixed.bias_rate, k.moving.bias_rate) * share,
+            mass_scale: either::<L>(fixed, k.fixed.mass_scale, k.moving.mass_scale),
+            impulse_scale: either::<L>(fixed, k.fixed.impulse_scale, k.moving.impulse_scale),
+        }
+    }
+}
+
 #[inline(always)]
-fn solve<L: Lanes>(
+fn either<L: Lanes>(first: L::Mask, a: f32, b: f32) -> L {
+    L::select(first, L::splat(a), L::splat(b))
+}
+
+#[inline(always)]
+fn solve<L: Lanes, const N: usize>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
     g: Gather,
     k: &StepConstants,
 ) {
-    let n = Wide3::<L>::load(&block.normal, at);
+    let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
-    let moved = u.moved(access, g);
-    let dp = n.dot(moved.dp);
+    let moved = f.at_points::<N>(block, at, &u.moved(&f, access, g));
+    let mut speeds = f.at_points::<N>(block, at, &u.relative(&f));
     let (zero, one) = (L::zero(), L::splat(1.0));
-    let sigma = L::load(&block.mass_scale[at..]);
-    let iota = L::load(&block.impulse_scale[at..]);
-    let rate = sigma * L::load(&block.bias_rate[at..]);
-    let (inv_h, push, most) = (L::splat(k.inv_h), L::load(&block.push_out[at..]), L::splat(SPEED_MOST));
-    for rows in &mut block.points[..block.points_max.min(4)] {
-        let turn =
-            Wide3::<L>::load(&rows.j.b, at).dot(moved.rb) - Wide3::<L>::load(&rows.j.a, at).dot(moved.ra);
-        let s = L::load(&rows.separation[at..]) + dp + turn;
+    let share = L::load(&block.share[at..]);
+    let softness = Soft::load(&u, k, share);
+    let sigma = softness.mass_scale;
+    let rate = sigma * softness.bias_rate;
+    let (inv_h, push, most) =
+        (L::splat(k.inv_h), L::splat(-k.push_out_speed) * share, L::splat(SPEED_MOST));
+    let mut sum = Sum::nothing();
+    for i in 0..N {
+        let rows = &mut block.points[i];
+        let s = L::load(&rows.separation[at..]) + moved[i];
         let open = s.gt(zero);
         let bias = L::select(open, s * inv_h, (rate * s).max(push));
         let scale = L::select(open, one, sigma);
-        let soft = L::select(open, zero, iota);
-        let vn = u.speed(n, &rows.j, at);
+        let soft = L::select(open, zero, softness.impulse_scale);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let new = (old - mass * (scale * vn + bias) - soft * old).max(zero).min(mass * most);
+        let new = (old - mass * (scale * speeds[i] + bias) - soft * old).max(zero).min(mass * most);
         let new = taken(mass, new, old);
         new.store(&mut rows.impulse[at..]);
-        u.push(n, &rows.j, at, new - old);
+        sum.add(block, at, i, new - old, &mut speeds);
     }
+    u.push_points(&f, block, at, &sum);
     u.store(access, g);
 }
 
@@ -237,43 +368,41 @@ fn taken<L: Lanes>(mass: L, new: L, old: L) -> L {
 }
 
 #[inline(always)]
-fn relax<L: Lanes>(
+fn relax<L: Lanes, const N: usize>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
     g: Gather,
     k: &StepConstants,
 ) {
-    let n = Wide3::<L>::load(&block.normal, at);
+    let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
-    let moved = u.moved(access, g);
-    let dp = n.dot(moved.dp);
+    let moved = f.at_points::<N>(block, at, &u.moved(&f, access, g));
+    let mut speeds = f.at_points::<N>(block, at, &u.relative(&f));
     let zero = L::zero();
     let (inv_h, most) = (L::splat(k.inv_h), L::splat(SPEED_MOST));
     let (mut total, mut twist_limit) = (zero, zero);
-    for rows in &mut block.points[..block.points_max.min(4)] {
-        let turn =
-            Wide3::<L>::load(&rows.j.b, at).dot(moved.rb) - Wide3::<L>::load(&rows.j.a, at).dot(moved.ra);
-        let s = L::load(&rows.separation[at..]) + dp + turn;
-        let bias = s.max(zero) * inv_h;
-        let vn = u.speed(n, &rows.j, at);
+    let mut sum = Sum::nothing();
+    for i in 0..N {
+        let (rows, sums) = (&mut block.points[i], &mut block.sums[i]);
+        let bias = (L::load(&rows.separation[at..]) + moved[i]).max(zero) * inv_h;
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
-        let new = taken(mass, (old - mass * (vn + bias)).max(zero).min(mass * most), old);
+        let new = taken(mass, (old - mass * (speeds[i] + bias)).max(zero).min(mass * most), old);
         new.store(&mut rows.impulse[at..]);
-        (L::load(&rows.total[at..]) + new).store(&mut rows.total[at..]);
+        (L::load(&sums.total[at..]) + new).store(&mut sums.total[at..]);
         total = total + new;
-        twist_limit = twist_limit + L::load(&rows.lever[at..]) * new;
-        u.push(n, &rows.j, at, new - old);
+        twist_limit = twist_limit + L::load(&sums.lever[at..]) * new;
+        sum.add(block, at, i, new - old, &mut speeds);
     }
+    u.push_points(&f, block, at, &sum);
     let mu = L::load(&block.mu[at..]);
-    let patch = L::load(&block.twist_patch[at..]);
-    twist(block, at, &mut u, n, mu * (twist_limit + patch * total));
+    twist(block, at, &mut u, f.n, mu * twist_limit);
     if block.any_rolling {
         let limit = L::load(&block.rolling[at..]) * total;
         rolling(block, at, &mut u, limit);
     }
-    friction(block, at, &mut u, n, mu * total);
+    friction(block, at, &mut u, &f, mu * total);
     u.store(access, g);
 }
 
@@ -283,9 +412,7 @@ fn twist<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, l
     let wanted = old - L::load(&block.twist_mass[at..]) * n.dot(u.wb.sub(u.wa));
     let new = wanted.max(-limit).min(limit);
     new.store(&mut block.twist_impulse[at..]);
-    let d = new - old;
-    u.wa = u.wa.sub(Wide3::load(&block.twist_ia, at).scale(d));
-    u.wb = u.wb.add(Wide3::load(&block.twist_ib, at).scale(d));
+    u.turn(block, at, n.scale(new - old));
 }
 
 #[inline(always)]
@@ -296,27 +423,28 @@ fn rolling<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, limit: L) {
     let scale = L::select(size2.gt(limit * limit), limit / size2.sqrt(), L::splat(1.0));
     let new = wanted.scale(scale);
     new.store(&mut block.rolling_impulse, at);
-    let d = new.sub(old);
-    u.wa = u.wa.sub(d.times(&block.inertia_a, at));
-    u.wb = u.wb.add(d.times(&block.inertia_b, at));
+    u.turn(block, at, new.sub(old));
 }
 
 #[inline(always)]
-fn friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, limit: L) {
-    let new = friction_impulse(block, at, u, n, limit);
-    for (total, new) in block.friction_total.iter_mut().zip(new) {
-        (L::load(&total[at..]) + new).store(&mut total[at..]);
+fn friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, f: &Frame<L>, limit: L) {
+    let new = friction_impulse(block, at, u, f, limit);
+    let mut d = [L::zero(); 2];
+    for i in 0..2 {
+        let (total, impulse) = (&mut block.friction_total[i][at..], &mut block.friction_impulse[i][at..]);
+        (L::load(total) + new[i]).store(total);
+        d[i] = new[i] - L::load(impulse);
+        new[i].store(impulse);
     }
-    push_friction(block, at, u, n, new);
+    u.push_friction(f, block, at, d);
 }
 
 /// The friction impulse that stops the slip, within the bound.
 #[inline(always)]
-fn friction_impulse<L: Lanes>(block: &Block, at: usize, u: &Pair<L>, n: Wide3<L>, limit: L) -> [L; 2] {
-    let t1 = Wide3::<L>::load(&block.tangent, at);
-    let t2 = n.cross(t1);
-    let v1 = u.speed(t1, &block.friction[0], at) - L::load(&block.surface_speed[0][at..]);
-    let v2 = u.speed(t2, &block.friction[1], at) - L::load(&block.surface_speed[1][at..]);
+fn friction_impulse<L: Lanes>(block: &Block, at: usize, u: &Pair<L>, f: &Frame<L>, limit: L) -> [L; 2] {
+    let v = u.relative(f).v;
+    let surface = surface::<L>(block, at);
+    let (v1, v2) = (f.t[0].dot(v) - surface[0], f.t[1].dot(v) - surface[1]);
     let xx = L::load(&block.friction_mass[0][at..]);
     let xy = L::load(&block.friction_mass[1][at..]);
     let yy = L::load(&block.friction_mass[2][at..]);
@@ -329,80 +457,81 @@ fn friction_impulse<L: Lanes>(block: &Block, at: usize, u: &Pair<L>, n: Wide3<L>
     [wanted1 * scale, wanted2 * scale]
 }
 
-/// Stores a friction impulse and applies its change.
-#[inline(always)]
-fn push_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, new: [L; 2]) {
-    let t1 = Wide3::<L>::load(&block.tangent, at);
-    for ((t, i), new) in [t1, n.cross(t1)].into_iter().zip(0..).zip(new) {
-        let old = L::load(&block.friction_impulse[i][at..]);
-        new.store(&mut block.friction_impulse[i][at..]);
-        u.push(t, &block.friction[i], at, new - old);
-    }
-}
-
 /// The impulse of the rebound bears friction as the one that stopped the approach did: Δv_t ≤ μ (1 + e) v_n in all.
 #[inline(always)]
-fn rebound_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, n: Wide3<L>, added: L) {
+fn rebound_friction<L: Lanes, const N: usize>(
+    block: &mut Block,
+    at: usize,
+    u: &mut Pair<L>,
+    f: &Frame<L>,
+    added: L,
+) {
     let mut total = L::zero();
-    for rows in &block.points[..block.points_max.min(4)] {
-        total = total + L::load(&rows.impulse[at..]);
+    for i in 0..N {
+        total = total + L::load(&block.points[i].impulse[at..]);
     }
-    let wanted = friction_impulse(block, at, u, n, L::load(&block.mu[at..]) * total);
+    let wanted = friction_impulse(block, at, u, f, L::load(&block.mu[at..]) * total);
     // Lanes that did not bounce keep theirs: a row must not depend on its neighbours.
     let bounced = added.gt(L::zero()) | added.lt(L::zero());
-    let old = [L::load(&block.friction_impulse[0][at..]), L::load(&block.friction_impulse[1][at..])];
-    let new = [L::select(bounced, wanted[0], old[0]), L::select(bounced, wanted[1], old[1])];
+    let mut d = [L::zero(); 2];
     for i in 0..2 {
-        (L::load(&block.friction_total[i][at..]) + (new[i] - old[i]))
-            .store(&mut block.friction_total[i][at..]);
+        let (total, impulse) = (&mut block.friction_total[i][at..], &mut block.friction_impulse[i][at..]);
+        let old = L::load(impulse);
+        let new = L::select(bounced, wanted[i], old);
+        d[i] = new - old;
+        (L::load(total) + d[i]).store(total);
+        new.store(impulse);
     }
-    push_friction(block, at, u, n, new);
+    u.push_friction(f, block, at, d);
 }
 
 #[inline(always)]
-fn restitution<L: Lanes>(
+fn restitution<L: Lanes, const N: usize>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
     g: Gather,
     back: bool,
 ) {
-    let n = Wide3::<L>::load(&block.normal, at);
+    let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
+    let mut speeds = f.at_points::<N>(block, at, &u.relative(&f));
     let zero = L::zero();
     let (mut added, mut change) = (zero, L::splat(-1.0));
     // Poisson's bound: what is given back is at most e times what was taken. Newton's law alone adds energy where friction
     // turns the body during the impact (Kane & Levinson 1985). The allowance is for gravity within the step.
     let e = L::load(&block.restitution[at..]);
     let mut budget = L::load(&block.compression[at..]) * (L::splat(1.0) + e * L::splat(POISSON));
-    for rows in &block.points[..block.points_max.min(4)] {
-        budget = budget - L::load(&rows.total[at..]);
+    for i in 0..N {
+        budget = budget - L::load(&block.sums[i].total[at..]);
     }
-    for rows in &mut block.points[..block.points_max.min(4)] {
-        let rebound = L::load(&rows.rebound[at..]);
-        let total = L::load(&rows.total[at..]);
+    let mut sum = Sum::nothing();
+    for i in 0..N {
+        let (rows, sums) = (&mut block.points[i], &mut block.sums[i]);
+        let rebound = L::load(&sums.rebound[at..]);
+        let total = L::load(&sums.total[at..]);
         let bounces = rebound.gt(zero) & total.gt(zero);
         if !bounces.any() {
             continue;
         }
-        let vn = u.speed(n, &rows.j, at);
         let old = L::load(&rows.impulse[at..]);
         let mass = L::load(&rows.mass[at..]);
         let target = if back { rebound } else { zero };
-        let wanted = (old - mass * (vn - target)).max(zero).min(mass * L::splat(SPEED_MOST));
+        let wanted = (old - mass * (speeds[i] - target)).max(zero).min(mass * L::splat(SPEED_MOST));
         let wanted = taken(mass, wanted, old);
         let wanted = if back { wanted.min(old + budget.max(zero)) } else { wanted.max(old) };
         let new = L::select(bounces, wanted, old);
         budget = budget - (new - old);
         new.store(&mut rows.impulse[at..]);
         // What is over of the last substep's impulse may be taken back, not the other substeps'.
-        (total + (new - old)).store(&mut rows.total[at..]);
+        (total + (new - old)).store(&mut sums.total[at..]);
         added = added + (new - old);
         let moved = L::select(bounces & mass.gt(zero), (new - old).abs() / mass, L::splat(-1.0));
         change = change.max(moved);
-        u.push(n, &rows.j, at, new - old);
+        sum.add(block, at, i, new - old, &mut speeds);
     }
     change.store(&mut block.rebound_change[at..]);
-    rebound_friction(block, at, &mut u, n, added);
+    u.push_points(&f, block, at, &sum);
+    rebound_friction::<L, N>(block, at, &mut u, &f, added);
     u.store(access, g);
 }
