@@ -121,14 +121,14 @@ impl World {
         let (fa, fb) = (&self.frames[c.body_a as usize], &self.frames[c.body_b as usize]);
         let rate = self.rate_hz as f32;
         let part = |s: u32| (s != NONE).then_some(s);
-        let points = m.points.iter().take(usize::from(m.count)).map(|p| {
+        let points = m.anchors.iter().zip(m.totals).take(usize::from(m.count)).map(|(p, total)| {
             let a = fa.center + fa.rotation.rotate(p.on_a).as_dvec3();
             let b = fb.center + fb.rotation.rotate(p.on_b).as_dvec3();
             ContactPoint {
                 point: a.lerp(b, 0.5),
                 separation: (b - a).as_vec3().dot(m.normal),
-                normal_impulse: p.total_impulse,
-                normal_force: p.total_impulse * rate,
+                normal_impulse: total,
+                normal_force: total * rate,
             }
         });
         ManifoldInfo {

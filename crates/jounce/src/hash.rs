@@ -255,12 +255,12 @@ fn hash_contact(h: &mut StateHasher, c: &Contact) {
         h.vec3(m.rolling);
         h.vec3(m.slip);
         h.floats(m.twist, m.surface.static_friction);
-        for p in m.points.iter().take(usize::from(m.count)) {
-            h.vec3(p.on_a);
-            h.vec3(p.on_b);
+        for ((p, at), total) in m.points().zip(m.totals) {
+            h.vec3(at.on_a);
+            h.vec3(at.on_b);
             h.vec3(p.arm);
             h.floats(p.separation, p.impulse);
-            h.pair(p.feature, p.total_impulse.to_bits());
+            h.pair(at.feature, total.to_bits());
         }
     }
 }

@@ -4,7 +4,7 @@ use super::{Step, broadphase};
 use crate::hooks::{ContactView, PairView};
 use crate::room::contacts::crowd;
 use crate::room::contacts::desc::{Combine, Material};
-use crate::room::contacts::state::{Contact, ContactManifold, PairHead, Point, ShapeRecord, Surface};
+use crate::room::contacts::state::{Anchor, Contact, ContactManifold, PairHead, Point, ShapeRecord, Surface};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide};
@@ -128,8 +128,8 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32) -> bool 
     let d = (fb.center - fa.center).as_vec3();
     let (ra, rb) = (fa.rotation.to_mat3(), fb.rotation.to_mat3());
     for m in c.manifolds_mut() {
-        for p in m.points.iter_mut().take(usize::from(m.count)) {
-            p.separation = (d + rb * p.on_b - ra * p.on_a).dot(m.normal);
+        for (p, at) in m.points.iter_mut().zip(&m.anchors).take(usize::from(m.count)) {
+            p.separation = (d + rb * at.on_b - ra * at.on_a).dot(m.normal);
         }
         m.fresh = false;
     }
@@ -227,17 +227,11 @@ fn place(m: &Manifold, in_a: &Pose, pose: &Pose, rotation: Quat) -> ContactManif
         sub_b: m.sub_b,
         ..ContactManifold::default()
     };
-    for (p, q) in out.points.iter_mut().zip(m.points()) {
+    for ((p, at), q) in out.points.iter_mut().zip(&mut out.anchors).zip(m.points()) {
         let mid = in_a.transform_point(q.point);
         let half = normal * (0.5 * q.separation);
-        *p = Point {
-            on_a: mid - half,
-            arm: rotation.rotate(mid),
-            on_b: pose.inverse_transform_point(mid + half),
-            separation: q.separation,
-            feature: q.feature,
-            ..Point::default()
-        };
+        *p = Point { arm: rotation.rotate(mid), separation: q.separation, impulse: 0.0 };
+        *at = Anchor { on_a: mid - half, on_b: pose.inverse_transform_point(mid + half), feature: q.feature };
     }
     out
 }
@@ -251,14 +245,15 @@ fn same(old: &ContactManifold, new: &ContactManifold) -> bool {
 
 /// Carries impulses over: point by point by feature, friction by manifold.
 fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
-    for p in new.points.iter_mut().take(usize::from(new.count)) {
+    for i in 0..usize::from(new.count) {
         // A feature's name may flip between two that meet in one place (aligned edges): the place counts then.
-        let points = &old.points[..usize::from(old.count).min(4)];
-        let near = |o: &&Point| (o.on_a - p.on_a).length_squared() < NEAR_SQUARED;
-        if let Some(o) = points.iter().find(|o| o.feature == p.feature).or_else(|| points.iter().find(near)) {
-            p.impulse = o.impulse;
-            p.total_impulse = o.total_impulse;
-            new.total += o.total_impulse;
+        let (at, anchors) = (&new.anchors[i], &old.anchors[..usize::from(old.count).min(4)]);
+        let near = |o: &Anchor| (o.on_a - at.on_a).length_squared() < NEAR_SQUARED;
+        let by_name = anchors.iter().position(|o| o.feature == at.feature);
+        if let Some(o) = by_name.or_else(|| anchors.iter().position(near)) {
+            new.points[i].impulse = old.points[o].impulse;
+            new.totals[i] = old.totals[o];
+            new.total += old.totals[o];
         }
     }
     new.friction = old.friction;
@@ -274,7 +269,7 @@ fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
     let speed = |row: u32, r: Vec3| {
         world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v() + s.w().cross(r))
     };
-    let (pa, pb) = (fa.rotation.rotate(m.points[0].on_a), fb.rotation.rotate(m.points[0].on_b));
+    let (pa, pb) = (fa.rotation.rotate(m.anchors[0].on_a), fb.rotation.rotate(m.anchors[0].on_b));
     let n = m.normal;
     let v = speed(fb.row, pb) - speed(fa.row, pa) - m.surface.velocity;
     let slip = v - n * n.dot(v);
@@ -326,10 +321,9 @@ fn ask_hook(
     };
     let part = |s: u32| (s != NONE).then_some(s);
     let keep = |m: &mut ContactManifold| {
-        let deepest =
-            m.points.iter().take(usize::from(m.count)).min_by(|x, y| x.separation.total_cmp(&y.separation));
-        let Some(p) = deepest.copied() else { return false };
-        let (la, lb) = (fa.rotation.rotate(p.on_a), fb.rotation.rotate(p.on_b));
+        let deepest = m.points().min_by(|(x, _), (y, _)| x.separation.total_cmp(&y.separation));
+        let Some((p, at)) = deepest.map(|(p, at)| (*p, *at)) else { return false };
+        let (la, lb) = (fa.rotation.rotate(at.on_a), fb.rotation.rotate(at.on_b));
         let view = ContactView {
             pair,
             normal: m.normal,

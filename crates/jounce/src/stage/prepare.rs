@@ -72,7 +72,7 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
     // What the next block reads lies anywhere.
     for row in next {
         let (contact, _) = world.scratch.rows[row.payload() as usize];
-        prefetch(&world.contacts[contact as usize].manifold);
+        world.contacts[contact as usize].manifold.prefetch();
         for item in [row.a(), row.b()].into_iter().filter_map(ColorSets::index) {
             prefetch(&world.awake.state[item]);
             prefetch(&world.awake.inertia[item]);

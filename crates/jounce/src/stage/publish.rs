@@ -148,10 +148,10 @@ fn hit(world: &World, c: &Contact) -> Event {
     let fa = &world.frames[c.body_a as usize];
     let (mut impulse, mut most, mut at, mut normal) = (0.0, -1.0, jounce_math::Vec3::ZERO, c.manifold.normal);
     for m in c.manifolds() {
-        for p in m.points.iter().take(usize::from(m.count)) {
-            impulse += p.total_impulse;
-            if p.total_impulse > most {
-                (most, at, normal) = (p.total_impulse, p.on_a, m.normal);
+        for (anchor, total) in m.anchors.iter().zip(m.totals).take(usize::from(m.count)) {
+            impulse += total;
+            if total > most {
+                (most, at, normal) = (total, anchor.on_a, m.normal);
             }
         }
     }

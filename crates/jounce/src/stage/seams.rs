@@ -105,7 +105,7 @@ fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {
         for (index, m) in c.manifolds().enumerate() {
             let normal = m.normal;
             let mut points = [Vec3::ZERO; 4];
-            for (q, p) in points.iter_mut().zip(&m.points) {
+            for (q, p) in points.iter_mut().zip(&m.anchors) {
                 let (f, local) = if fixed_is_a { (fa, p.on_a) } else { (fb, p.on_b) };
                 *q = (f.center - center).as_vec3() + f.rotation.rotate(local);
             }
@@ -140,8 +140,8 @@ fn adopt(world: &mut World, m: &Patch, normal: Vec3) {
     let d = (fb.center - fa.center).as_vec3();
     let Some(manifold) = c.manifolds_mut().nth(m.index) else { return };
     manifold.normal = if m.fixed_is_a { normal } else { -normal };
-    for p in manifold.points.iter_mut().take(m.count) {
-        p.separation = (d + fb.rotation.rotate(p.on_b) - fa.rotation.rotate(p.on_a)).dot(manifold.normal);
+    for (p, at) in manifold.points.iter_mut().zip(&manifold.anchors).take(m.count) {
+        p.separation = (d + fb.rotation.rotate(at.on_b) - fa.rotation.rotate(at.on_a)).dot(manifold.normal);
     }
     c.tested = false;
 }

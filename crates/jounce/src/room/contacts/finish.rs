@@ -102,8 +102,9 @@ pub(crate) fn store(m: &mut ContactManifold, of: &Outcome, stick_speed: f32) -> 
     let (mut pushed, mut total) = (false, 0.0);
     let count = usize::from(m.count).min(4);
     let (impulses, totals) = of.points.split_at(4);
-    for ((p, impulse), sum) in m.points[..count].iter_mut().zip(impulses).zip(totals) {
-        (p.impulse, p.total_impulse) = (*impulse, *sum);
+    for (((p, t), impulse), sum) in m.points[..count].iter_mut().zip(&mut m.totals).zip(impulses).zip(totals)
+    {
+        (p.impulse, *t) = (*impulse, *sum);
         total += *sum;
         pushed |= *impulse > 0.0;
     }

@@ -53,9 +53,9 @@ pub(crate) fn resolve(
         }
         for m in c.manifolds().filter(|m| m.surface.restitution > 0.0) {
             let normal = m.normal;
-            for p in m.points.iter().take(usize::from(m.count)) {
-                let ra = fa.rotation.rotate(p.on_a);
-                let rb = fb.rotation.rotate(p.on_b);
+            for (p, at) in m.points() {
+                let ra = fa.rotation.rotate(at.on_a);
+                let rb = fb.rotation.rotate(at.on_b);
                 let i = Impact {
                     rows: [fa.row, fb.row],
                     normal,

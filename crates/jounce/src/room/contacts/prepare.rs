@@ -225,7 +225,7 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
         let there = counts.gt(L::splat(i as f32));
         let [rx, ry, rz, separation, impulse, ..] = L::gather8_of(
             #[inline(always)]
-            |l| s.manifolds[(at + l) % LANES].points[i].lanes(),
+            |l| s.manifolds[(at + l) % LANES].point_lanes(i),
         );
         let none = L::zero();
         let ra =

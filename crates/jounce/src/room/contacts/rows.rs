@@ -228,8 +228,7 @@ impl Block {
     /// r × n of a point of a row, for body A and B.
     pub fn turns(&self, point: usize, l: usize) -> [Vec3; 2] {
         let n = self.normal.get(l);
-        let (t1, t2) =
-            basis::<Array<1>>(Wide3::new(Lanes::splat(n.x), Lanes::splat(n.y), Lanes::splat(n.z)));
+        let (t1, t2) = basis::<Array<1>>(Wide3::new(Lanes::splat(n.x), Lanes::splat(n.y), Lanes::splat(n.z)));
         let p = &self.points[point];
         let e = t1.scale(Lanes::splat(p.x[l % LANES])).add(t2.scale(Lanes::splat(p.y[l % LANES])));
         let mut at = LaneVec::ZERO;
@@ -239,11 +238,8 @@ impl Block {
     }
     /// Inverse mass and inertia of body A or B of a row.
     pub fn inertia(&self, side: usize, l: usize) -> InvInertia {
-        let (t, m) = if side == 0 {
-            (&self.inertia_a, &self.inv_mass_a)
-        } else {
-            (&self.inertia_b, &self.inv_mass_b)
-        };
+        let (t, m) =
+            if side == 0 { (&self.inertia_a, &self.inv_mass_a) } else { (&self.inertia_b, &self.inv_mass_b) };
         let [xx, yy, zz, xy, xz, yz] = t.map(|lane| lane[l % LANES]);
         InvInertia { xx, yy, zz, xy, xz, yz, inv_mass: m[l % LANES], pad: 0.0 }
     }

@@ -340,8 +340,7 @@ fn solve<L: Lanes, const N: usize>(
     let softness = Soft::load(&u, k, share);
     let sigma = softness.mass_scale;
     let rate = sigma * softness.bias_rate;
-    let (inv_h, push, most) =
-        (L::splat(k.inv_h), L::splat(-k.push_out_speed) * share, L::splat(SPEED_MOST));
+    let (inv_h, push, most) = (L::splat(k.inv_h), L::splat(-k.push_out_speed) * share, L::splat(SPEED_MOST));
     let mut sum = Sum::nothing();
     for i in 0..N {
         let rows = &mut block.points[i];

@@ -4,6 +4,7 @@ use super::desc::{Filter, MassSpec, Material};
 use crate::room::fields::desc::Aero;
 use crate::room::rigid::state::NONE;
 use jounce_geometry::{PairCache, Shape};
+use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3};
 
 /// Which tree a shape's bounds are in.
@@ -46,7 +47,7 @@ pub(crate) struct ShapeRecord {
     pub visitors: Vec<(u32, u32)>,
 }
 
-/// A contact point with its impulses. What goes into the solver's lanes lies in front.
+/// A contact point: what goes into the solver's lanes, in every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub(crate) struct Point {
@@ -56,8 +57,12 @@ pub(crate) struct Point {
     pub separation: f32,
     /// Normal impulse of the last substep, N s.
     pub impulse: f32,
-    /// Sum over the substeps of the last step, N s.
-    pub total_impulse: f32,
+}
+
+/// Where a contact point is on the two bodies.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C)]
+pub(crate) struct Anchor {
     /// On A's surface, from A's centre of mass, in body A's axes.
     pub on_a: Vec3,
     /// On B's surface, from B's centre of mass, in body B's axes.
@@ -65,25 +70,10 @@ pub(crate) struct Point {
     pub feature: u32,
 }
 
-impl Point {
-    pub const NOTHING: Self = Self {
-        arm: Vec3::ZERO,
-        separation: 0.0,
-        impulse: 0.0,
-        total_impulse: 0.0,
-        on_a: Vec3::ZERO,
-        on_b: Vec3::ZERO,
-        feature: 0,
-    };
-    /// Arm, separation, impulse; three more in the order of memory, so that it is one load.
-    #[inline(always)]
-    pub fn lanes(&self) -> [f32; 8] {
-        let (r, a) = (self.arm, self.on_a);
-        [r.x, r.y, r.z, self.separation, self.impulse, self.total_impulse, a.x, a.y]
-    }
-}
-
 /// Up to four points with one normal, and what friction remembers.
+///
+/// The fields lie in the order in which they are asked for. The solver's lanes are filled from those down to `surface`: three lines of memory,
+/// of a list that is larger than the caches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub(crate) struct ContactManifold {
@@ -95,28 +85,33 @@ pub(crate) struct ContactManifold {
     pub twist: f32,
     /// Sum of what the points gave over the last step, N s.
     pub total: f32,
+    /// Friction impulse of the last substep, world frame, N s.
+    pub friction: Vec3,
+    pub rolling: Vec3,
     /// Where its solver row is: colour and row.
     pub color: u8,
     pub count: u8,
     pub faces: u8,
     /// Holds up to μ_s N; sliding otherwise, at μ_k N.
     pub stick: bool,
-    /// Friction impulse of the last substep, world frame, N s.
-    pub friction: Vec3,
-    pub rolling: Vec3,
+    pub row: u32,
+    pub points: [Point; 4],
     /// Slip velocity of B against A at the end of the last step, world frame, m/s.
     pub slip: Vec3,
-    pub row: u32,
     /// Surface coefficients of this manifold (triangles differ).
     pub surface: Surface,
-    pub points: [Point; 4],
-    /// Sum over the substeps of the last step, world frame, N s.
-    pub total_friction: Vec3,
-    pub sub_a: u32,
-    pub sub_b: u32,
     /// The manifold was made this step.
     pub fresh: bool,
+    /// Sums over the substeps of the last step: of the points, and of friction, world frame, N s.
+    pub totals: [f32; 4],
+    pub total_friction: Vec3,
+    pub anchors: [Anchor; 4],
+    pub sub_a: u32,
+    pub sub_b: u32,
 }
+
+const NO_POINT: Point = Point { arm: Vec3::ZERO, separation: 0.0, impulse: 0.0 };
+const NO_ANCHOR: Anchor = Anchor { on_a: Vec3::ZERO, on_b: Vec3::ZERO, feature: 0 };
 
 impl ContactManifold {
     pub const NOTHING: Self = Self {
@@ -124,20 +119,22 @@ impl ContactManifold {
         offset: Vec3::ZERO,
         twist: 0.0,
         total: 0.0,
+        friction: Vec3::ZERO,
+        rolling: Vec3::ZERO,
         color: 0,
         count: 0,
         faces: 0,
         stick: true,
-        friction: Vec3::ZERO,
-        rolling: Vec3::ZERO,
-        slip: Vec3::ZERO,
         row: NONE,
+        points: [NO_POINT; 4],
+        slip: Vec3::ZERO,
         surface: Surface::NOTHING,
-        points: [Point::NOTHING; 4],
+        fresh: true,
+        totals: [0.0; 4],
         total_friction: Vec3::ZERO,
+        anchors: [NO_ANCHOR; 4],
         sub_a: NONE,
         sub_b: NONE,
-        fresh: true,
     };
     /// Normal, offset, twist; one more in the order of memory.
     #[inline(always)]
@@ -145,11 +142,28 @@ impl ContactManifold {
         let (n, d) = (self.normal, self.offset);
         [n.x, n.y, n.z, d.x, d.y, d.z, self.twist, self.total]
     }
-    /// Friction and rolling impulses; two more in the order of memory.
+    /// Arm, separation, impulse of a point; three more in the order of memory, so that it is one load.
+    #[inline(always)]
+    pub fn point_lanes(&self, i: usize) -> [f32; 8] {
+        let (p, next) = (&self.points[i], if i < 3 { self.points[i + 1].arm } else { self.slip });
+        [p.arm.x, p.arm.y, p.arm.z, p.separation, p.impulse, next.x, next.y, next.z]
+    }
+    /// Asks for the lines that the lanes are filled from.
+    #[inline(always)]
+    pub fn prefetch(&self) {
+        prefetch(&self.normal);
+        prefetch(&self.points);
+        prefetch(&self.surface);
+    }
+    /// Points with where they are on the bodies.
+    pub fn points(&self) -> impl Iterator<Item = (&Point, &Anchor)> {
+        self.points.iter().zip(&self.anchors).take(usize::from(self.count))
+    }
+    /// Friction and rolling impulses, as the memory has them.
     #[inline(always)]
     pub fn friction_lanes(&self) -> [f32; 8] {
         let (f, r) = (self.friction, self.rolling);
-        [f.x, f.y, f.z, r.x, r.y, r.z, self.slip.x, self.slip.y]
+        [f.x, f.y, f.z, r.x, r.y, r.z, 0.0, 0.0]
     }
 }
 
@@ -262,9 +276,9 @@ pub(crate) struct Contact {
     pub slop: f32,
     /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
     pub tested_pose: Pose,
-    /// Rotations of the two bodies then.
-    pub tested_rotations: [Quat; 2],
     pub manifold: ContactManifold,
+    /// Rotations of the two bodies at the last full test.
+    pub tested_rotations: [Quat; 2],
     pub cache: PairCache,
 }
 
