@@ -43,27 +43,6 @@ impl Tasks {
         });
     }
 
-    /// The same over two columns of equal length.
-    ///
-    /// # Panics
-    /// If their lengths differ.
-    pub fn for_each_chunk2<T: Send, U: Send>(
-        &self,
-        (a, b): (&mut [T], &mut [U]),
-        chunk: usize,
-        f: impl Fn(usize, &mut [T], &mut [U]) + Sync,
-    ) {
-        assert_eq!(a.len(), b.len(), "columns of different lengths");
-        let (len, chunk) = (a.len(), chunk.max(1));
-        let (a, b) = (Base(a.as_mut_ptr()), Base(b.as_mut_ptr()));
-        let (a, b) = (&a, &b);
-        self.run(len.div_ceil(chunk), &|unit| {
-            let range = range(unit, chunk, len);
-            // SAFETY: as in `for_each_chunk`, for each of the slices; their lengths are equal.
-            f(range.start, unsafe { a.piece(&range) }, unsafe { b.piece(&range) });
-        });
-    }
-
     /// Calls `f(index, element)` for every element; `chunk` elements make a unit.
     pub fn for_each<T: Send>(&self, items: &mut [T], chunk: usize, f: impl Fn(usize, &mut T) + Sync) {
         self.for_each_chunk(items, chunk, |first, part| {
@@ -102,10 +81,31 @@ impl Tasks {
     }
 }
 
-/// A method that walks several slices side by side.
+/// Two methods that walk several slices side by side, by chunks and by elements.
 macro_rules! side_by_side {
-    ($name:ident: $($column:ident $T:ident),+) => {
+    ($chunks:ident, $name:ident: $($column:ident $T:ident),+) => {
         impl Tasks {
+            /// Calls `f(first index, …)` for the chunks of several slices side by side.
+            ///
+            /// # Panics
+            /// If the lengths differ.
+            pub fn $chunks<$($T: Send),+>(
+                &self,
+                ($($column),+): ($(&mut [$T]),+),
+                chunk: usize,
+                f: impl Fn(usize, $(&mut [$T]),+) + Sync,
+            ) {
+                let lens = [$($column.len()),+];
+                assert!(lens.iter().all(|l| *l == lens[0]), "columns of different lengths");
+                let (len, chunk) = (lens[0], chunk.max(1));
+                $(let $column = &Base($column.as_mut_ptr());)+
+                self.run(len.div_ceil(chunk), &|unit| {
+                    let range = range(unit, chunk, len);
+                    // SAFETY: as in `for_each_chunk`, for each of the slices; their lengths are equal.
+                    f(range.start, $(unsafe { $column.piece(&range) }),+);
+                });
+            }
+
             /// Calls `f(index, …)` for the elements of several slices side by side; `chunk` elements make a unit.
             ///
             /// # Panics
@@ -116,16 +116,10 @@ macro_rules! side_by_side {
                 chunk: usize,
                 f: impl Fn(usize, $(&mut $T),+) + Sync,
             ) {
-                let lens = [$($column.len()),+];
-                assert!(lens.iter().all(|l| *l == lens[0]), "columns of different lengths");
-                let (len, chunk) = (lens[0], chunk.max(1));
-                $(let $column = &Base($column.as_mut_ptr());)+
-                self.run(len.div_ceil(chunk), &|unit| {
-                    let range = range(unit, chunk, len);
-                    // SAFETY: as in `for_each_chunk`, for each of the slices; their lengths are equal.
-                    $(let $column = unsafe { $column.piece(&range) };)+
-                    for i in 0..range.len() {
-                        f(range.start + i, $(&mut $column[i]),+);
+                self.$chunks(($($column),+), chunk, |first, $($column),+| {
+                    let len = [$($column.len()),+][0];
+                    for i in 0..len {
+                        f(first + i, $(&mut $column[i]),+);
                     }
                 });
             }
@@ -133,8 +127,9 @@ macro_rules! side_by_side {
     };
 }
 
-side_by_side!(for_each2: a A, b B);
-side_by_side!(for_each5: a A, b B, c C, d D, e E);
+side_by_side!(for_each_chunk2, for_each2: a A, b B);
+side_by_side!(for_each_chunk3, for_each3: a A, b B, c C);
+side_by_side!(for_each_chunk5, for_each5: a A, b B, c C, d D, e E);
 
 #[cfg(test)]
 mod tests {

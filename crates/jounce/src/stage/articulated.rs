@@ -141,11 +141,13 @@ fn gather(world: &mut World, s: &mut Leanings) {
     world.scratch.joints.sets = sets;
 }
 
+/// Whether there is any such contact in this step.
+pub(crate) fn any(world: &World) -> bool {
+    !world.scratch.leanings.rows.is_empty()
+}
+
 /// As a substep starts: responses and masses, of sets that have turned since they were made.
 pub(crate) fn renew(world: &mut World, step: &Step) {
-    if world.scratch.leanings.rows.is_empty() {
-        return;
-    }
     let mut sets = core::mem::take(&mut world.scratch.joints.sets);
     let shared: &World = world;
     shared.tasks.for_each(&mut sets, 1, |_, set| {

@@ -77,9 +77,14 @@ fn start_body(world: &mut World, memory: &mut FieldScratch, row: usize) -> Feel 
     Feel { layers, at_start }
 }
 
+/// Whether any acts in the substeps.
+pub(crate) fn act_now(world: &World) -> bool {
+    !world.scratch.fields.feels.is_empty()
+}
+
 /// One substep: `i` of `step.substeps`.
 pub(crate) fn act(world: &mut World, step: &Step, i: u32) {
-    if world.scratch.fields.feels.is_empty() {
+    if !act_now(world) {
         return;
     }
     let h = step.constants.h;

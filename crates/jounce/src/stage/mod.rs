@@ -54,8 +54,10 @@ pub(crate) struct Scratch {
     pub rows: Vec<(u32, u32)>,
     pub blocks: Vec<Vec<Block>>,
     /// By awake row: velocities before a pass over contacts, and what those of the last substep added to them.
-    pub before: Vec<[f32; 8]>,
-    pub pushed: Vec<[f32; 8]>,
+    pub pushed: Vec<crate::room::rigid::pass::Pushed>,
+    /// By awake row: what the substeps ask of it.
+    pub drives: Vec<crate::room::rigid::pass::Drive>,
+    pub ways: Vec<crate::room::rigid::pass::Way>,
     /// Contact rows that are deep, and how many each awake body has.
     pub deep: Vec<u32>,
     pub crowd: Vec<u32>,

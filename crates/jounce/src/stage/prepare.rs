@@ -52,16 +52,7 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
     let (awake, items) = (&mut world.awake, &world.scratch.items);
-    load::raise(
-        &world.contacts,
-        &world.heads,
-        |b| items[b as usize],
-        awake,
-        jointed,
-        hangs,
-        &mut loads,
-        numbers,
-    );
+    load::raise(&world.heads, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
     world.scratch.loads = loads;
 }
 
@@ -110,6 +101,7 @@ fn color(world: &mut World) {
     scratch.colors.reset(world.awake.state.len());
     scratch.rows.clear();
     scratch.deep.clear();
+    scratch.loads.begin(world.awake.state.len());
     for (i, h) in world.heads.iter().enumerate() {
         // What is read of a contact lies in two lines.
         if let Some(ahead) = world.contacts.get(i + AHEAD).filter(|_| world.heads[i + AHEAD].touching) {
@@ -125,6 +117,7 @@ fn color(world: &mut World) {
             scratch.deep.push(i as u32);
         }
         let (a, b) = (scratch.items[h.bodies[0] as usize], scratch.items[h.bodies[1] as usize]);
+        scratch.loads.add([a, b], c);
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.
         if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
             c.manifolds_mut().for_each(|m| m.row = NONE);

@@ -6,7 +6,8 @@ use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
-use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position, integrate_velocity};
+use crate::room::rigid::pass::{self, Drive, Pushed, Todo, Way};
+use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position};
 use crate::room::rigid::state::{BodyState, NONE};
 use crate::world::World;
 use jounce_lanes::{Width, dispatch};
@@ -14,7 +15,7 @@ use jounce_math::scalar::f32s;
 use jounce_tasks::ColorSets;
 
 /// Bodies per unit.
-const BODIES: usize = 256;
+const BODIES: usize = 128;
 /// Contacts per unit.
 const CONTACTS: usize = 128;
 /// Blocks of rows per unit.
@@ -24,27 +25,110 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
     super::siblings::part(world, step);
     articulated::prepare(world);
+    begin(world, step);
+    // Who else acts in the substeps. Bodies are brought up to date for them only.
+    let fields = super::fields::act_now(world);
+    let others = !world.joints.is_empty() || !world.vehicles.is_empty();
+    let mut bodies = Bodies { todo: Todo::default() };
     for i in 0..step.substeps {
-        velocities(world, step);
-        super::fields::act(world, step, i);
-        articulated::renew(world, step);
-        if i == 0 {
-            push_rows(world, step);
-        } else {
-            push_again(world);
+        bodies.todo.drive = true;
+        if fields {
+            bodies.now(world, step);
+            super::fields::act(world, step, i);
         }
-        super::joints::solve(world, step, i);
-        super::vehicles::act(world, step);
-        articulated::solve(world, step);
-        counted(world, Pass::Solve, step);
-        super::joints::answer(world, step);
-        super::vehicles::go(world);
-        positions(world, step);
-        super::joints::relax(world, step, i + 1 == step.substeps);
-        articulated::relax(world, step);
-        counted(world, Pass::Relax, step);
-        super::vehicles::follow(world, step);
+        if articulated::any(world) {
+            bodies.now(world, step);
+            articulated::renew(world, step);
+        }
+        // Levers and inertia stay as they are within a step, so what the rows gave a body in one substep they give it again in the next: the warm
+        // start of those that follow is one addition a body, not a pass over all rows. Joints, which turn with their bodies, have their own.
+        if i == 0 {
+            bodies.counted(world, Pass::Warm, step);
+        } else {
+            bodies.todo.push = true;
+        }
+        if others {
+            bodies.now(world, step);
+            super::joints::solve(world, step, i);
+            super::vehicles::act(world, step);
+            articulated::solve(world, step);
+        }
+        bodies.counted(world, Pass::Solve, step);
+        if others {
+            bodies.now(world, step);
+            super::joints::answer(world, step);
+            super::vehicles::go(world);
+        }
+        bodies.todo.go = true;
+        if others {
+            bodies.now(world, step);
+            super::joints::relax(world, step, i + 1 == step.substeps);
+            articulated::relax(world, step);
+        }
+        bodies.counted(world, Pass::Relax, step);
+        if others {
+            bodies.now(world, step);
+            super::vehicles::follow(world, step);
+        }
     }
+    bodies.now(world, step);
+}
+
+/// What is to be done with all bodies before they are looked at again: several things in one pass where nobody looks in between.
+struct Bodies {
+    todo: Todo,
+}
+
+impl Bodies {
+    /// Brings the bodies up to date.
+    fn now(&mut self, world: &mut World, step: &Step) {
+        let todo = core::mem::take(&mut self.todo);
+        if todo == Todo::default() {
+            return;
+        }
+        let sub = Substep { h: step.constants.h, limits: speed_limits(world, step) };
+        let (bodies, frames, width) = (&world.bodies, &world.frames, world.width);
+        let (drives, ways) = (&world.scratch.drives, &world.scratch.ways);
+        let a = &mut world.awake;
+        let steps = &a.step;
+        let columns = (&mut a.state[..], &mut world.scratch.pushed[..], &mut a.turning[..]);
+        world.tasks.for_each_chunk3(columns, BODIES, |first, states, pushed, turning| {
+            let rows = first..first + states.len();
+            let (drives, ways) = (&drives[rows.clone()], &ways[rows]);
+            let (h, speed_most) = (sub.h, sub.limits.speed);
+            dispatch(width, pass::Pass { todo, states, pushed, drives, ways, h, speed_most });
+            if todo.go {
+                for (i, s) in states.iter_mut().enumerate().filter(|(i, _)| ways[*i].alone) {
+                    integrate_position(s, &steps[first + i], &mut turning[i], bodies, frames, &sub);
+                }
+            }
+            if todo.mark {
+                pushed.iter_mut().zip(&*states).for_each(|(p, s)| p.before = s.hot);
+            }
+        });
+    }
+
+    /// A pass over all rows; what it does to the bodies' velocities adds to what is pushed again.
+    fn counted(&mut self, world: &mut World, pass: Pass, step: &Step) {
+        self.todo.mark = !world.scratch.rows.is_empty();
+        if self.todo.mark {
+            self.now(world, step);
+            sweep(world, pass, step);
+            self.todo.count = true;
+        }
+    }
+}
+
+/// What the substeps ask of every body.
+fn begin(world: &mut World, step: &Step) {
+    let limits = speed_limits(world, step);
+    let (a, bodies, scratch) = (&world.awake, &world.bodies, &mut world.scratch);
+    scratch.pushed.clear();
+    scratch.pushed.resize(a.state.len(), Pushed::NOTHING);
+    scratch.drives.clear();
+    scratch.drives.extend(a.step.iter().zip(&a.inertia).map(|(b, i)| Drive::new(b, i, step.constants.h)));
+    scratch.ways.clear();
+    scratch.ways.extend(a.step.iter().map(|b| Way::new(b, &bodies[b.body], &limits)));
 }
 
 /// Restitution, impulses back to the manifolds, motion back to the frames.
@@ -144,59 +228,6 @@ fn impacts(world: &mut World, step: &Step) {
     ) {
         world.events.push(Event::LimitReached { what: "rounds of simultaneous impacts" });
     }
-}
-
-fn velocities(world: &mut World, step: &Step) {
-    let (steps, inertia) = (&world.awake.step, &world.awake.inertia);
-    world.tasks.for_each(&mut world.awake.state, BODIES, |i, s| {
-        integrate_velocity(s, &steps[i], &inertia[i], step.constants.h);
-    });
-}
-
-fn positions(world: &mut World, step: &Step) {
-    let sub = Substep { h: step.constants.h, limits: speed_limits(world, step) };
-    let (bodies, frames) = (&world.bodies, &world.frames);
-    let a = &mut world.awake;
-    let steps = &a.step;
-    world.tasks.for_each2((&mut a.state, &mut a.turning), BODIES, |i, s, turning| {
-        integrate_position(s, &steps[i], turning, bodies, frames, &sub);
-    });
-}
-
-/// The impulses of the last step, row by row.
-///
-/// Levers and inertia stay as they are within a step, so what the rows gave a body in one substep they give it again in the next: the warm start of
-/// those that follow is one addition a body ([`push_again`]), not a pass over all rows. Joints, which turn with their bodies, have their own.
-fn push_rows(world: &mut World, step: &Step) {
-    world.scratch.pushed.clear();
-    world.scratch.pushed.resize(world.awake.state.len(), [0.0; 8]);
-    counted(world, Pass::Warm, step);
-}
-
-/// Adds to every body what contacts gave it in the last substep.
-fn push_again(world: &mut World) {
-    let pushed = &world.scratch.pushed;
-    world.tasks.for_each(&mut world.awake.state, BODIES, |i, s| {
-        let Some(p) = pushed.get(i) else { return };
-        s.hot = core::array::from_fn(|k| s.hot[k] + p[k]);
-    });
-}
-
-/// A pass over all rows; what it does to the bodies' velocities adds to what is pushed again.
-fn counted(world: &mut World, pass: Pass, step: &Step) {
-    if world.scratch.rows.is_empty() {
-        return;
-    }
-    let before = &mut world.scratch.before;
-    before.clear();
-    before.extend(world.awake.state.iter().map(|s| s.hot));
-    sweep(world, pass, step);
-    let (before, states) = (&world.scratch.before, &world.awake.state);
-    world.tasks.for_each(&mut world.scratch.pushed, BODIES, |i, p| {
-        let (Some(s), Some(b)) = (states.get(i), before.get(i)) else { return };
-        // The last two are places, which no pass changes.
-        *p = core::array::from_fn(|k| p[k] + (s.hot[k] - b[k]));
-    });
 }
 
 /// One pass over all colours, then the overflow rows in their order.

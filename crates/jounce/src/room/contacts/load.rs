@@ -21,7 +21,6 @@
 use super::state::{Contact, PairHead};
 use crate::groups::{root, unite};
 use crate::room::rigid::state::Awake;
-use jounce_lanes::prefetch;
 use jounce_math::{Vec3, scalar::f32s};
 
 /// Ratio of load to weight from which a body counts as squeezed, and from which it is treated in full.
@@ -36,9 +35,6 @@ const RAISE_MAX: f32 = 1e4;
 /// the body away if it were light again at once.
 const FALL: f32 = 0.5;
 
-/// Contacts from the one that is looked at to the one that is asked for.
-const AHEAD: usize = 8;
-
 /// Memory that is reused from step to step and is not state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Loads {
@@ -49,10 +45,29 @@ pub(crate) struct Loads {
     groups: Vec<(bool, f32)>,
 }
 
+impl Loads {
+    /// Starts a step of so many awake bodies.
+    pub fn begin(&mut self, rows: usize) {
+        self.sums.clear();
+        self.sums.resize(rows, (0.0, Vec3::ZERO, 0.0));
+    }
+    /// What a contact gave its two bodies in the last step; rows beyond the awake ones are nobody's.
+    pub fn add(&mut self, rows: [u32; 2], c: &Contact) {
+        for m in c.manifolds().filter(|m| m.total != 0.0) {
+            for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
+                if let Some(s) = self.sums.get_mut(row as usize) {
+                    s.0 += m.total;
+                    s.1 += m.normal * (sign * m.total);
+                    s.2 = f32s::max(s.2, c.hit_speed);
+                }
+            }
+        }
+    }
+}
+
 /// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held. `row` of a body is that
-/// in the awake columns, or beyond them.
+/// in the awake columns, or beyond them. `loads` has been given all contacts.
 pub(crate) fn raise(
-    contacts: &[Contact],
     heads: &[PairHead],
     row: impl Fn(u32) -> u32,
     awake: &mut Awake,
@@ -62,27 +77,6 @@ pub(crate) fn raise(
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
     let Loads { sums, parent, groups } = loads;
-    sums.clear();
-    sums.resize(awake.state.len(), (0.0, Vec3::ZERO, 0.0));
-    for (i, (c, h)) in contacts.iter().zip(heads).enumerate() {
-        if let Some(ahead) = contacts.get(i + AHEAD).filter(|_| heads[i + AHEAD].touching) {
-            prefetch(&ahead.id);
-            prefetch(&ahead.manifold.normal);
-        }
-        if !h.touching {
-            continue;
-        }
-        let rows = h.bodies.map(&row);
-        for m in c.manifolds().filter(|m| m.total != 0.0) {
-            for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
-                if let Some(s) = sums.get_mut(row as usize) {
-                    s.0 += m.total;
-                    s.1 += m.normal * (sign * m.total);
-                    s.2 = f32s::max(s.2, c.hit_speed);
-                }
-            }
-        }
-    }
     let mut treated = false;
     for (sum, step) in sums.iter().zip(&mut awake.step) {
         let load = (sum.0 - sum.1.length()) * (0.5 / dt);

@@ -13,5 +13,6 @@
 pub mod desc;
 pub(crate) mod finish;
 pub(crate) mod mass;
+pub(crate) mod pass;
 pub(crate) mod solve;
 pub(crate) mod state;

@@ -20,7 +20,7 @@
 //! of tan, so the phase error is of order x⁷ and no transcendental is needed.
 
 use super::desc::BodyKind;
-use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
+use super::state::{Body, BodyFrame, BodyState, BodyStep, Mass, Motion, Turning};
 use crate::limits::SPIN_MAX;
 use jounce_math::{DQuat, DVec3, Quat, Vec3};
 
@@ -67,21 +67,6 @@ pub(crate) fn turn(r: Vec3) -> Quat {
     // tan(x)/x; past a quarter turn of x the series would fold back, and no step turns that far.
     let f = 0.5 * (15.0 - x2) / (15.0 - 6.0 * x2);
     Quat::new(r.x * f, r.y * f, r.z * f, 1.0).normalize()
-}
-
-/// Forces, gravity and damping to velocities. Gravity and forces per unit mass are in `step.acceleration`.
-#[inline(always)]
-pub(crate) fn integrate_velocity(s: &mut BodyState, b: &BodyStep, i: &InvInertia, h: f32) {
-    if b.kind != BodyKind::Dynamic {
-        return;
-    }
-    let v = (s.v() + b.acceleration * h) * (1.0 / (1.0 + h * b.linear_damping));
-    let mut w = s.w() + i.mul(b.torque) * h;
-    // Where the turn is free, it is the momentum that is damped.
-    if !turns_freely(b) {
-        w *= 1.0 / (1.0 + h * b.angular_damping);
-    }
-    s.set_velocity(v, w);
 }
 
 /// Unequal moments, nothing locked: the angular velocity changes by itself.
