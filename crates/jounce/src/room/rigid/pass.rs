@@ -1,0 +1,269 @@
+//! What a substep does with bodies alone: forces, the impulses of contacts once more, and the way; row by row, and abreast.
+//!
+//! Several of these stand one after the other where nothing else acts in between. They are done in one pass over the bodies then ([`Todo`]): a
+//! pass costs what it reads. The way is that of `solve::integrate_position`, in its order of operations; bodies that lanes do not know (locks, unequal
+//! moments, spins without limit) go there one by one.
+
+use super::solve::{SpeedLimits, turns_freely};
+use super::state::{Body, BodyState, BodyStep, InvInertia};
+use crate::room::contacts::rows::{LANES, Lane, Wide3};
+use crate::room::rigid::desc::BodyKind;
+use jounce_lanes::{Kernel, Lanes};
+
+/// What is to be done with every body, in this order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Todo {
+    /// What a pass over contacts changed of the velocity adds to what is pushed.
+    pub count: bool,
+    /// Forces, gravity, damping.
+    pub drive: bool,
+    /// What contacts gave in the last substep, once more.
+    pub push: bool,
+    /// Along the velocity.
+    pub go: bool,
+    /// The velocity is kept, for what the next pass over contacts will change.
+    pub mark: bool,
+}
+
+/// Forces of a substep on a hot row: u ← (u + add) keep.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Drive {
+    add: [f32; 8],
+    keep: [f32; 8],
+}
+
+impl Drive {
+    /// Forces, gravity and damping over `h` seconds. Gravity and forces per unit mass are in `step.acceleration`.
+    pub fn new(b: &BodyStep, i: &InvInertia, h: f32) -> Self {
+        // −0 and 1 change no bit.
+        let mut drive = Self { add: [-0.0; 8], keep: [1.0; 8] };
+        if b.kind != BodyKind::Dynamic {
+            return drive;
+        }
+        let (v, w) = (b.acceleration * h, i.mul(b.torque) * h);
+        drive.add = [v.x, v.y, v.z, w.x, w.y, w.z, -0.0, -0.0];
+        drive.keep[..3].fill(1.0 / (1.0 + h * b.linear_damping));
+        // Where the turn is free, it is the momentum that is damped.
+        if !turns_freely(b) {
+            drive.keep[3..6].fill(1.0 / (1.0 + h * b.angular_damping));
+        }
+        drive
+    }
+}
+
+/// How a body goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Way {
+    /// Its fastest spin, rad/s.
+    spin_most: f32,
+    /// Not in lanes.
+    pub alone: bool,
+}
+
+impl Way {
+    pub fn new(b: &BodyStep, body: &Body, limits: &SpeedLimits) -> Self {
+        let alone = b.locks != 0 || b.fast_rotation || turns_freely(b);
+        Self { spin_most: limits.spin_of(b, body), alone }
+    }
+}
+
+/// What contacts give a body in a substep, and its velocity before the pass that is under way.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct Pushed {
+    pub sum: [f32; 8],
+    pub before: [f32; 8],
+}
+
+impl Pushed {
+    pub const NOTHING: Self = Self { sum: [0.0; 8], before: [0.0; 8] };
+}
+
+/// [`Todo`] of a chunk of bodies, but for those alone and the mark.
+pub(crate) struct Pass<'a> {
+    pub todo: Todo,
+    pub states: &'a mut [BodyState],
+    pub pushed: &'a mut [Pushed],
+    pub drives: &'a [Drive],
+    pub ways: &'a [Way],
+    pub h: f32,
+    pub speed_most: f32,
+}
+
+impl Kernel for Pass<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { todo, states, pushed, drives, ways, h, speed_most } = self;
+        if todo.count {
+            for (p, s) in pushed.iter_mut().zip(&*states) {
+                for k in 0..8 {
+                    // The last two are places, which no pass over contacts changes.
+                    p.sum[k] += s.hot[k] - p.before[k];
+                }
+            }
+        }
+        if todo.drive {
+            for (s, d) in states.iter_mut().zip(drives) {
+                for k in 0..8 {
+                    s.hot[k] = (s.hot[k] + d.add[k]) * d.keep[k];
+                }
+            }
+        }
+        if todo.push {
+            for (s, p) in states.iter_mut().zip(&*pushed) {
+                for k in 0..8 {
+                    s.hot[k] += p.sum[k];
+                }
+            }
+        }
+        if todo.go {
+            let mut at = 0;
+            while at < states.len() {
+                let to = states.len().min(at + L::WIDTH);
+                if ways[at..to].iter().any(|w| !w.alone) {
+                    go::<L>(&mut states[at..to], &ways[at..to], h, speed_most);
+                }
+                at = to;
+            }
+        }
+    }
+}
+
+/// A quaternion a lane.
+#[derive(Clone, Copy)]
+struct Turn<L>([L; 4]);
+
+impl<L: Lanes> Turn<L> {
+    /// As `Quat::normalize`.
+    #[inline(always)]
+    fn normalize(self) -> Self {
+        let [x, y, z, w] = self.0;
+        let l = (x * x + y * y + z * z + w * w).sqrt();
+        let fine = l.gt(L::splat(f32::MIN_POSITIVE)) & l.le(L::splat(f32::MAX));
+        let (s, zero) = (L::splat(1.0) / l, L::zero());
+        let part = [x * s, y * s, z * s, w * s];
+        Self([
+            L::select(fine, part[0], zero),
+            L::select(fine, part[1], zero),
+            L::select(fine, part[2], zero),
+            L::select(fine, part[3], L::splat(1.0)),
+        ])
+    }
+    /// The turn `o`, then this.
+    #[inline(always)]
+    fn after(self, o: Self) -> Self {
+        let ([ax, ay, az, aw], [bx, by, bz, bw]) = (self.0, o.0);
+        Self([
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ])
+    }
+}
+
+/// v, cut to a length.
+#[inline(always)]
+fn within<L: Lanes>(v: Wide3<L>, most: L) -> Wide3<L> {
+    let size2 = v.dot(v);
+    v.scale(L::select(size2.gt(most * most), most / size2.sqrt(), L::splat(1.0)))
+}
+
+#[inline(always)]
+fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32) {
+    let len = states.len();
+    let [vx, vy, vz, wx, wy, wz, px, py] = L::gather8(
+        #[inline(always)]
+        |l| if l < len { &states[l].hot } else { &BodyState::FIXED.hot },
+    );
+    let [pz, rx, ry, rz, qx, qy, qz, qw] = L::gather8(
+        #[inline(always)]
+        |l| if l < len { &states[l].motion } else { &BodyState::FIXED.motion },
+    );
+    let mut spin_most: Lane = [0.0; LANES];
+    for (most, way) in spin_most.iter_mut().zip(ways) {
+        *most = way.spin_most;
+    }
+    let h = L::splat(h);
+    let v = within(Wide3::new(vx, vy, vz), L::splat(speed_most));
+    let w = within(Wide3::new(wx, wy, wz), L::load(&spin_most));
+    let p = Wide3::new(px, py, pz).add(v.scale(h));
+    let r = w.scale(h);
+    let turned = Wide3::new(rx, ry, rz).add(r);
+    let x2 = L::splat(0.25) * r.dot(r);
+    let f = L::splat(0.5) * (L::splat(15.0) - x2) / (L::splat(15.0) - L::splat(6.0) * x2);
+    let turn = Turn([r.x * f, r.y * f, r.z * f, L::splat(1.0)]).normalize();
+    let Turn(q) = turn.after(Turn([qx, qy, qz, qw])).normalize();
+    L::scatter8(
+        [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
+        #[inline(always)]
+        |l, row| {
+            if l < len && !ways[l].alone {
+                states[l].hot = row;
+            }
+        },
+    );
+    L::scatter8(
+        [p.z, turned.x, turned.y, turned.z, q[0], q[1], q[2], q[3]],
+        #[inline(always)]
+        |l, row| {
+            if l < len && !ways[l].alone {
+                states[l].motion = row;
+            }
+        },
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::room::rigid::solve::{Substep, integrate_position};
+    use crate::room::rigid::state::BodyFrame;
+    use crate::{BodyDesc, ShapeDesc, World, WorldDesc};
+    use jounce_lanes::{Width, dispatch};
+    use jounce_math::Vec3;
+
+    /// Lanes of every width go where one by one goes, bit for bit.
+    #[test]
+    fn lanes_go_as_one_by_one() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        for i in 0..37_u32 {
+            let x = |k: u32| ((i * 7 + k * 5) % 11) as f32 - 5.0;
+            let size = if i % 5 == 0 { [0.5, 0.2, 0.1] } else { [0.5; 3] };
+            let fast = if i % 7 == 0 { 400.0 } else { 3.0 };
+            let d = BodyDesc::dynamic().at([f64::from(i) * 3.0, 0.0, 0.0]).shape(ShapeDesc::cuboid(size));
+            let d =
+                d.velocity(Vec3::new(x(0), x(1), x(2)) * fast).angular_velocity(Vec3::new(x(3), x(4), x(5)));
+            w.add_body(d).expect("valid");
+        }
+        let limits = SpeedLimits { speed: 1000.0, spin: 8.0, spin_jointed: 100.0 };
+        let (h, a) = (1.0 / 240.0, &w.awake);
+        let ways: Vec<Way> = a.step.iter().map(|b| Way::new(b, &w.bodies[b.body], &limits)).collect();
+        assert!(ways.iter().any(|w| w.alone) && ways.iter().any(|w| !w.alone));
+        let mut expected = a.state.clone();
+        let frames: &[BodyFrame] = &w.frames;
+        for _ in 0..3 {
+            for (i, s) in expected.iter_mut().enumerate().filter(|(i, _)| !ways[*i].alone) {
+                let sub = Substep { h, limits };
+                integrate_position(s, &a.step[i], &mut None, &w.bodies, frames, &sub);
+            }
+        }
+        for width in Width::ALL {
+            let mut states = a.state.clone();
+            let mut pushed = vec![Pushed::NOTHING; states.len()];
+            for _ in 0..3 {
+                let todo = Todo { go: true, ..Todo::default() };
+                let (states, pushed) = (&mut states[..], &mut pushed[..]);
+                let pass =
+                    Pass { todo, states, pushed, drives: &[], ways: &ways, h, speed_most: limits.speed };
+                dispatch(width, pass);
+            }
+            for (a, b) in states.iter().zip(&expected) {
+                let bits = |s: &BodyState| (s.hot.map(f32::to_bits), s.motion.map(f32::to_bits));
+                assert_eq!(bits(a), bits(b), "{width}");
+            }
+        }
+    }
+}
