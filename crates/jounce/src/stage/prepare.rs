@@ -57,7 +57,7 @@ fn raise_squeezed(world: &mut World, step: &Step) {
 }
 
 fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step: &Step) {
-    (block.any_rolling, block.any_surface, block.any_rebound) = (false, false, false);
+    (block.any_rolling, block.any_surface, block.any_rebound, block.round) = (false, false, false, true);
     block.rebound_change = [-1.0; LANES];
     (block.rows, block.points_max) = (rows.len(), 0);
     // What the next block reads lies anywhere.

@@ -123,12 +123,16 @@ impl Bodies {
 fn begin(world: &mut World, step: &Step) {
     let limits = speed_limits(world, step);
     let (a, bodies, scratch) = (&world.awake, &world.bodies, &mut world.scratch);
-    scratch.pushed.clear();
     scratch.pushed.resize(a.state.len(), Pushed::NOTHING);
-    scratch.drives.clear();
-    scratch.drives.extend(a.step.iter().zip(&a.inertia).map(|(b, i)| Drive::new(b, i, step.constants.h)));
-    scratch.ways.clear();
-    scratch.ways.extend(a.step.iter().map(|b| Way::new(b, &bodies[b.body], &limits)));
+    scratch.drives.resize(a.state.len(), Drive::NOTHING);
+    scratch.ways.resize(a.state.len(), Way::NOTHING);
+    let columns = (&mut scratch.pushed[..], &mut scratch.drives[..], &mut scratch.ways[..]);
+    world.tasks.for_each3(columns, BODIES, |row, pushed, drive, way| {
+        let b = &a.step[row];
+        *pushed = Pushed::NOTHING;
+        *drive = Drive::new(b, &a.inertia[row], step.constants.h);
+        *way = Way::new(b, &bodies[b.body], &limits);
+    });
 }
 
 /// Restitution, impulses back to the manifolds, motion back to the frames.

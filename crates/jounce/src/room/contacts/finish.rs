@@ -72,7 +72,11 @@ fn collect<L: Lanes>(block: &mut Block, states: &[[&BodyState; LANES]; 2], at: u
     let limit = L::load(&block.mu[at..]) * bound;
     let saturated = L::select(total.dot(total).ge(L::splat(0.999) * limit * limit), one, zero);
     let twist = L::load(&block.twist_impulse[at..]);
-    let rolling = Wide3::<L>::load(&block.rolling_impulse, at);
+    let rolling = if block.any_rolling {
+        Wide3::load(&block.rolling_impulse, at)
+    } else {
+        Wide3::new(zero, zero, zero)
+    };
     let results = &mut block.results[at..at + L::WIDTH];
     L::scatter8(
         points,

@@ -117,6 +117,7 @@ pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, s: &Sources<'_>) {
     block.share[l] = c.share;
     block.mu[l] = if m.stick { m.surface.static_friction } else { m.surface.kinetic_friction };
     block.points_max = block.points_max.max(usize::from(m.count).min(4));
+    block.round &= s.inertia[0][l].is_round() && s.inertia[1][l].is_round();
     block.any_rebound |= m.surface.restitution > 0.0;
     block.any_surface |= m.surface.velocity != Vec3::ZERO;
     if m.surface.rolling_friction > 0.0 {
@@ -157,6 +158,7 @@ impl Kernel for Prepare<'_, '_> {
 #[derive(Clone, Copy)]
 struct Bodies<L> {
     inertia: [[L; 6]; 2],
+    round: bool,
     /// 1/m_A + 1/m_B.
     inv: L,
 }
@@ -168,11 +170,20 @@ struct Jacobian<L> {
     back: [Wide3<L>; 2],
 }
 
+impl<L: Lanes> Bodies<L> {
+    /// I⁻¹ v of body A (0) or B (1).
+    #[inline(always)]
+    fn back(&self, side: usize, v: Wide3<L>) -> Wide3<L> {
+        let t = &self.inertia[side];
+        if self.round { v.scale(t[0]) } else { v.turned(t) }
+    }
+}
+
 impl<L: Lanes> Jacobian<L> {
     #[inline(always)]
     fn new(m: &Bodies<L>, dir: Wide3<L>, [ra, rb]: [Wide3<L>; 2]) -> Self {
         let (a, b) = (ra.cross(dir), rb.cross(dir));
-        Self { turn: [a, b], back: [a.turned(&m.inertia[0]), b.turned(&m.inertia[1])] }
+        Self { turn: [a, b], back: [m.back(0, a), m.back(1, b)] }
     }
     /// What one direction's impulse does to the speed along another: the turns' part of J M⁻¹ Jᵀ.
     #[inline(always)]
@@ -201,16 +212,21 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
         #[inline(always)]
         |l| s.manifolds[(at + l) % LANES].surface.lanes(),
     );
-    restitution.store(&mut block.restitution[at..]);
-    rolling.store(&mut block.rolling[at..]);
+    if block.any_rebound {
+        restitution.store(&mut block.restitution[at..]);
+    }
     let ((va, wa), (vb, wb)) = (velocity::<L>(&s.states[0], at), velocity(&s.states[1], at));
     let [axx, ayy, azz, axy, axz, ayz, ma, _] = inertia::<L>(&s.inertia[0], at);
     let [bxx, byy, bzz, bxy, bxz, byz, mb, _] = inertia::<L>(&s.inertia[1], at);
     ma.store(&mut block.inv_mass_a[at..]);
     mb.store(&mut block.inv_mass_b[at..]);
-    let m =
-        Bodies { inertia: [[axx, ayy, azz, axy, axz, ayz], [bxx, byy, bzz, bxy, bxz, byz]], inv: ma + mb };
-    for i in 0..6 {
+    let m = Bodies {
+        inertia: [[axx, ayy, azz, axy, axz, ayz], [bxx, byy, bzz, bxy, bxz, byz]],
+        round: block.round,
+        inv: ma + mb,
+    };
+    let parts = if block.round { 1 } else { 6 };
+    for i in 0..parts {
         m.inertia[0][i].store(&mut block.inertia_a[i][at..]);
         m.inertia[1][i].store(&mut block.inertia_b[i][at..]);
     }
@@ -274,7 +290,10 @@ fn prepare_lanes<L: Lanes>(block: &mut Block, s: &Sources<'_>, k: &StepConstants
         #[inline(always)]
         |l| s.manifolds[(at + l) % LANES].friction_lanes(),
     );
-    Wide3::new(px * warm, py * warm, pz * warm).store(&mut block.rolling_impulse, at);
+    if block.any_rolling {
+        rolling.store(&mut block.rolling[at..]);
+        Wide3::new(px * warm, py * warm, pz * warm).store(&mut block.rolling_impulse, at);
+    }
     let friction = Wide3::new(fx * warm, fy * warm, fz * warm);
     prepare_friction(block, &m, n, arm, friction, Wide3::new(vx, vy, vz), at);
 }
@@ -321,6 +340,6 @@ fn prepare_friction<L: Lanes>(
             velocity.dot(t).store(&mut block.surface_speed[i][at..]);
         }
     }
-    let (ia, ib) = (n.turned(&m.inertia[0]), n.turned(&m.inertia[1]));
+    let (ia, ib) = (m.back(0, n), m.back(1, n));
     invert(n.dot(ia) + n.dot(ib)).store(&mut block.twist_mass[at..]);
 }

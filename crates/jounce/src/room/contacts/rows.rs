@@ -82,6 +82,11 @@ impl<L: Lanes> Wide3<L> {
             |i: usize| L::load(&t[i][at..]),
         ))
     }
+    /// The same for the inertia of a block's bodies.
+    #[inline(always)]
+    pub fn through(self, t: &[Lane; 6], round: bool, at: usize) -> Self {
+        if round { self.scale(L::load(&t[0][at..])) } else { self.times(t, at) }
+    }
     /// The same for a tensor in registers.
     #[inline(always)]
     pub fn turned(self, t: &[L; 6]) -> Self {
@@ -158,7 +163,7 @@ pub(crate) struct Block {
     pub arm_b: LaneVec,
     pub inv_mass_a: Lane,
     pub inv_mass_b: Lane,
-    /// I⁻¹ of both bodies: xx, yy, zz, xy, xz, yz.
+    /// I⁻¹ of both bodies: xx, yy, zz, xy, xz, yz; xx alone where all bodies are `round`.
     pub inertia_a: [Lane; 6],
     pub inertia_b: [Lane; 6],
     /// Part of the push-out that is this contact's.
@@ -189,6 +194,8 @@ pub(crate) struct Block {
     pub any_rolling: bool,
     pub any_surface: bool,
     pub any_rebound: bool,
+    /// The inertia of every body is the same for all axes: cubes, spheres.
+    pub round: bool,
     /// Largest change of a rebound speed in the last pass of restitution, m/s; negative where nothing bounces.
     pub rebound_change: Lane,
     /// Sum of the points' impulses over the step, before restitution.
@@ -241,6 +248,9 @@ impl Block {
         let (t, m) =
             if side == 0 { (&self.inertia_a, &self.inv_mass_a) } else { (&self.inertia_b, &self.inv_mass_b) };
         let [xx, yy, zz, xy, xz, yz] = t.map(|lane| lane[l % LANES]);
+        if self.round {
+            return InvInertia::round(xx, m[l % LANES]);
+        }
         InvInertia { xx, yy, zz, xy, xz, yz, inv_mass: m[l % LANES], pad: 0.0 }
     }
 }
@@ -293,6 +303,7 @@ impl Default for Block {
             any_rolling: false,
             any_surface: false,
             any_rebound: false,
+            round: false,
             rebound_change: [-1.0; LANES],
             compression: L,
             results: [Outcome::ZERO; LANES],

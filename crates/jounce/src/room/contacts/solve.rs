@@ -61,6 +61,10 @@ impl Kernel for Sweep<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
+        // Blocks in which nothing bounces have no rebound speeds.
+        if matches!(self.pass, Pass::Compress | Pass::Restitution) && !self.block.any_rebound {
+            return;
+        }
         match self.block.points_max {
             0 | 1 => self.over::<L, 1>(),
             2 => self.over::<L, 2>(),
@@ -223,14 +227,14 @@ impl<L: Lanes> Pair<L> {
         self.va = self.va.sub(force.scale(self.ma));
         self.vb = self.vb.add(force.scale(self.mb));
         let (a, b) = (moment.add(f.ra.cross(force)), moment.add(f.rb.cross(force)));
-        self.wa = self.wa.sub(a.times(&block.inertia_a, at));
-        self.wb = self.wb.add(b.times(&block.inertia_b, at));
+        self.wa = self.wa.sub(a.through(&block.inertia_a, block.round, at));
+        self.wb = self.wb.add(b.through(&block.inertia_b, block.round, at));
     }
     /// The same of a moment alone.
     #[inline(always)]
     fn turn(&mut self, block: &Block, at: usize, moment: Wide3<L>) {
-        self.wa = self.wa.sub(moment.times(&block.inertia_a, at));
-        self.wb = self.wb.add(moment.times(&block.inertia_b, at));
+        self.wa = self.wa.sub(moment.through(&block.inertia_a, block.round, at));
+        self.wb = self.wb.add(moment.through(&block.inertia_b, block.round, at));
     }
     #[inline(always)]
     fn push_points(&mut self, f: &Frame<L>, block: &Block, at: usize, sum: &Sum<L>) {

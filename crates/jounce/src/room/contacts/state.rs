@@ -142,11 +142,11 @@ impl ContactManifold {
         let (n, d) = (self.normal, self.offset);
         [n.x, n.y, n.z, d.x, d.y, d.z, self.twist, self.total]
     }
-    /// Arm, separation, impulse of a point; three more in the order of memory, so that it is one load.
+    /// Arm, separation, impulse of a point.
     #[inline(always)]
     pub fn point_lanes(&self, i: usize) -> [f32; 8] {
-        let (p, next) = (&self.points[i], if i < 3 { self.points[i + 1].arm } else { self.slip });
-        [p.arm.x, p.arm.y, p.arm.z, p.separation, p.impulse, next.x, next.y, next.z]
+        let p = &self.points[i];
+        [p.arm.x, p.arm.y, p.arm.z, p.separation, p.impulse, 0.0, 0.0, 0.0]
     }
     /// Asks for the lines that the lanes are filled from.
     #[inline(always)]

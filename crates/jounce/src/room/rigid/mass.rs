@@ -7,7 +7,7 @@ use super::state::{Body, Mass};
 use crate::room::contacts::desc::MassSpec;
 use crate::room::contacts::state::ShapeRecord;
 use jounce_geometry::MassProperties;
-use jounce_math::{DMat3, DQuat, DVec3, Vec3, scalar::f32s};
+use jounce_math::{DMat3, DQuat, DVec3, Mat3, Vec3, scalar::f32s};
 
 /// Mass properties of a shape at its pose on the body; `None` where it has no volume or no mass.
 fn shape_mass(s: &ShapeRecord) -> Option<(f64, DVec3, DMat3)> {
@@ -77,6 +77,11 @@ pub(crate) fn prepare<'a>(
         m.inv_inertia = inv.as_mat3();
     }
     let moments = level(moments);
+    if moments.x == moments.y && moments.x == moments.z && moments.x > 0.0 {
+        // Without rounding in it: the same for all axes, however the body is turned.
+        m.inertia = Mat3::IDENTITY.scale(moments.x as f32);
+        m.inv_inertia = Mat3::IDENTITY.scale((1.0 / moments.x) as f32);
+    }
     m.moments = moments;
     m.inv_moments = DVec3::new(1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z);
     m.principal = DQuat::from_mat3(&frame).normalize();

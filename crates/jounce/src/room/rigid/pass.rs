@@ -34,10 +34,11 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
+    /// −0 and 1 change no bit.
+    pub const NOTHING: Self = Self { add: [-0.0; 8], keep: [1.0; 8] };
     /// Forces, gravity and damping over `h` seconds. Gravity and forces per unit mass are in `step.acceleration`.
     pub fn new(b: &BodyStep, i: &InvInertia, h: f32) -> Self {
-        // −0 and 1 change no bit.
-        let mut drive = Self { add: [-0.0; 8], keep: [1.0; 8] };
+        let mut drive = Self::NOTHING;
         if b.kind != BodyKind::Dynamic {
             return drive;
         }
@@ -62,6 +63,7 @@ pub(crate) struct Way {
 }
 
 impl Way {
+    pub const NOTHING: Self = Self { spin_most: 0.0, alone: false };
     pub fn new(b: &BodyStep, body: &Body, limits: &SpeedLimits) -> Self {
         let alone = b.locks != 0 || b.fast_rotation || turns_freely(b);
         Self { spin_most: limits.spin_of(b, body), alone }

@@ -274,19 +274,32 @@ impl InvInertia {
             self.xz * v.x + self.yz * v.y + self.zz * v.z,
         )
     }
+    /// Of the same for all axes: a number.
+    pub fn round(k: f32, inv_mass: f32) -> Self {
+        Self { xx: k, yy: k, zz: k, inv_mass, ..Self::FIXED }
+    }
+    /// Whether it is the same for all axes.
+    #[inline(always)]
+    pub fn is_round(&self) -> bool {
+        self.xx == self.yy && self.xx == self.zz && self.xy == 0.0 && self.xz == 0.0 && self.yz == 0.0
+    }
     /// R I⁻¹ Rᵀ with locked axes made immovable.
     pub fn new(rotation: Quat, inv_inertia: &Mat3, inv_mass: f32, locks: u8) -> Self {
-        let r = rotation.to_mat3();
-        let m = r * *inv_inertia * r.transpose();
-        let mut t = Self {
-            xx: m.cx.x,
-            yy: m.cy.y,
-            zz: m.cz.z,
-            xy: 0.5 * (m.cx.y + m.cy.x),
-            xz: 0.5 * (m.cx.z + m.cz.x),
-            yz: 0.5 * (m.cy.z + m.cz.y),
-            inv_mass,
-            pad: 0.0,
+        let mut t = if *inv_inertia == Mat3::IDENTITY.scale(inv_inertia.cx.x) {
+            Self::round(inv_inertia.cx.x, inv_mass)
+        } else {
+            let r = rotation.to_mat3();
+            let m = r * *inv_inertia * r.transpose();
+            Self {
+                xx: m.cx.x,
+                yy: m.cy.y,
+                zz: m.cz.z,
+                xy: 0.5 * (m.cx.y + m.cy.x),
+                xz: 0.5 * (m.cx.z + m.cz.x),
+                yz: 0.5 * (m.cy.z + m.cz.y),
+                inv_mass,
+                pad: 0.0,
+            }
         };
         if locks & 8 != 0 {
             (t.xx, t.xy, t.xz) = (0.0, 0.0, 0.0);
