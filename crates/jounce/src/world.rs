@@ -622,3 +622,31 @@ sugar! {
     /// Sets the solver's constants.
     set_settings(settings: Settings) => Command::SetSettings(Box::new(settings));
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::room::contacts::rows::{Block, LANES};
+    use crate::room::contacts::state::{Contact, PairHead, ShapeRecord};
+    use crate::room::rigid::pass::{Drive, Pushed, Way};
+    use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Turning};
+    use core::mem::size_of;
+    use jounce_geometry::Aabb;
+
+    /// What docs/performance.md says of memory.
+    #[test]
+    fn records_are_as_large_as_documented() {
+        let cold = size_of::<Body>();
+        let frame = size_of::<BodyFrame>() + size_of::<f64>();
+        let awake = size_of::<BodyState>()
+            + size_of::<BodyStep>()
+            + size_of::<Option<Turning>>()
+            + size_of::<InvInertia>();
+        let scratch = size_of::<Pushed>() + size_of::<Drive>() + size_of::<Way>() + 4;
+        let shape = size_of::<ShapeRecord>();
+        let bounds = 2 * size_of::<Aabb>();
+        let contact = size_of::<Contact>() + size_of::<PairHead>();
+        let row = size_of::<Block>().div_ceil(LANES);
+        let sizes = [cold, frame, awake, scratch, shape, bounds, contact, row];
+        assert_eq!(sizes, [0; 8]);
+    }
+}

@@ -63,7 +63,9 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
     // What the next block reads lies anywhere.
     for row in next {
         let (contact, _) = world.scratch.rows[row.payload() as usize];
-        world.contacts[contact as usize].manifold.prefetch();
+        let c = &world.contacts[contact as usize];
+        prefetch(&c.id);
+        c.manifold.prefetch();
         for item in [row.a(), row.b()].into_iter().filter_map(ColorSets::index) {
             prefetch(&world.awake.state[item]);
             prefetch(&world.awake.inertia[item]);

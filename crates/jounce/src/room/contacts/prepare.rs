@@ -116,7 +116,8 @@ pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, s: &Sources<'_>) {
     let m = s.manifolds[l];
     block.share[l] = c.share;
     block.mu[l] = if m.stick { m.surface.static_friction } else { m.surface.kinetic_friction };
-    block.points_max = block.points_max.max(usize::from(m.count).min(4));
+    // One, two or four: the passes are made for these.
+    block.points_max = block.points_max.max(usize::from(m.count).min(4).next_power_of_two());
     block.round &= s.inertia[0][l].is_round() && s.inertia[1][l].is_round();
     block.any_rebound |= m.surface.restitution > 0.0;
     block.any_surface |= m.surface.velocity != Vec3::ZERO;

@@ -187,7 +187,7 @@ pub(crate) struct Block {
     pub rolling_mass: [Lane; 6],
     pub rolling_impulse: LaneVec,
     pub restitution: Lane,
-    /// Rows, and most points of a row.
+    /// Rows, and most points of a row: 1, 2 or 4.
     pub rows: usize,
     pub points_max: usize,
     /// Some row has rolling friction / a moving surface / restitution.

@@ -65,30 +65,26 @@ impl Kernel for Sweep<'_, '_> {
         if matches!(self.pass, Pass::Compress | Pass::Restitution) && !self.block.any_rebound {
             return;
         }
-        match self.block.points_max {
-            0 | 1 => self.over::<L, 1>(),
-            2 => self.over::<L, 2>(),
-            3 => self.over::<L, 3>(),
-            _ => self.over::<L, 4>(),
-        }
-    }
-}
-
-impl Sweep<'_, '_> {
-    /// The pass over rows of up to N points.
-    #[inline(always)]
-    fn over<L: Lanes, const N: usize>(self) {
         let Self { pass, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
             let lanes = Gather { first: rows.start + done, end: rows.end };
             let at = lane + done;
             match pass {
-                Pass::Warm => warm_start::<L, N>(block, at, access, lanes),
-                Pass::Solve => solve::<L, N>(block, at, access, lanes, constants),
-                Pass::Relax => relax::<L, N>(block, at, access, lanes, constants),
-                Pass::Compress => restitution::<L, N>(block, at, access, lanes, false),
-                Pass::Restitution => restitution::<L, N>(block, at, access, lanes, true),
+                Pass::Warm => warm_start::<L>(block, at, access, lanes),
+                // The passes that are made again and again know how many points they go over.
+                Pass::Solve => match block.points_max {
+                    0 | 1 => solve::<L, 1>(block, at, access, lanes, constants),
+                    2 => solve::<L, 2>(block, at, access, lanes, constants),
+                    _ => solve::<L, 4>(block, at, access, lanes, constants),
+                },
+                Pass::Relax => match block.points_max {
+                    0 | 1 => relax::<L, 1>(block, at, access, lanes, constants),
+                    2 => relax::<L, 2>(block, at, access, lanes, constants),
+                    _ => relax::<L, 4>(block, at, access, lanes, constants),
+                },
+                Pass::Compress => restitution::<L>(block, at, access, lanes, false),
+                Pass::Restitution => restitution::<L>(block, at, access, lanes, true),
             }
             done += L::WIDTH;
         }
@@ -118,12 +114,12 @@ impl<L: Lanes> Frame<L> {
         let (t1, t2) = basis(n);
         Self { n, t: [t1, t2], ra: Wide3::load(&block.arm_a, at), rb: Wide3::load(&block.arm_b, at) }
     }
-    /// The same at the points, of motions of the two bodies (velocities, or ways).
+    /// Along the normal, at the first `n` points: of velocities, or of ways.
     #[inline(always)]
-    fn at_points<const N: usize>(&self, block: &Block, at: usize, m: &Relative<L>) -> [L; N] {
+    fn at_points<const N: usize>(&self, block: &Block, at: usize, n: usize, m: &Relative<L>) -> [L; N] {
         let (middle, w1, w2) = (self.n.dot(m.v), self.t[0].dot(m.w), self.t[1].dot(m.w));
         let mut out = [L::zero(); N];
-        for i in 0..N {
+        for i in 0..n.min(N) {
             let p = &block.points[i];
             out[i] = middle + L::load(&p.y[at..]) * w1 - L::load(&p.x[at..]) * w2;
         }
@@ -264,31 +260,26 @@ impl<L: Lanes> Sum<L> {
     }
     /// Adds an impulse of point `i`, and what it does to the speeds of the points after it.
     #[inline(always)]
-    fn add<const N: usize>(&mut self, block: &Block, at: usize, i: usize, d: L, speeds: &mut [L; N]) {
+    fn add(&mut self, block: &Block, at: usize, i: usize, d: L, speeds: &mut [L]) {
         let p = &block.points[i];
         self.force = self.force + d;
         self.m1 = self.m1 + L::load(&p.y[at..]) * d;
         self.m2 = self.m2 + L::load(&p.x[at..]) * d;
-        for j in i + 1..N {
+        for j in i + 1..speeds.len() {
             speeds[j] = speeds[j] + L::load(&block.coupling[coupling(i, j)][at..]) * d;
         }
     }
 }
 
 #[inline(always)]
-fn warm_start<L: Lanes, const N: usize>(
-    block: &mut Block,
-    at: usize,
-    access: &mut Scatter<'_, BodyState>,
-    g: Gather,
-) {
+fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, g: Gather) {
     let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
     let mut sum = Sum::nothing();
-    for i in 0..N {
+    for i in 0..block.points_max.min(4) {
         let p = &block.points[i];
         let given = taken(L::load(&p.mass[at..]), L::load(&p.impulse[at..]), L::zero());
-        sum.add::<0>(block, at, i, given, &mut []);
+        sum.add(block, at, i, given, &mut []);
     }
     let [f1, f2] = &block.friction_impulse;
     let friction = f.t[0].scale(L::load(&f1[at..])).add(f.t[1].scale(L::load(&f2[at..])));
@@ -337,8 +328,8 @@ fn solve<L: Lanes, const N: usize>(
 ) {
     let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
-    let moved = f.at_points::<N>(block, at, &u.moved(&f, access, g));
-    let mut speeds = f.at_points::<N>(block, at, &u.relative(&f));
+    let moved = f.at_points::<N>(block, at, N, &u.moved(&f, access, g));
+    let mut speeds = f.at_points::<N>(block, at, N, &u.relative(&f));
     let (zero, one) = (L::zero(), L::splat(1.0));
     let share = L::load(&block.share[at..]);
     let softness = Soft::load(&u, k, share);
@@ -380,8 +371,8 @@ fn relax<L: Lanes, const N: usize>(
 ) {
     let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
-    let moved = f.at_points::<N>(block, at, &u.moved(&f, access, g));
-    let mut speeds = f.at_points::<N>(block, at, &u.relative(&f));
+    let moved = f.at_points::<N>(block, at, N, &u.moved(&f, access, g));
+    let mut speeds = f.at_points::<N>(block, at, N, &u.relative(&f));
     let zero = L::zero();
     let (inv_h, most) = (L::splat(k.inv_h), L::splat(SPEED_MOST));
     let (mut total, mut twist_limit) = (zero, zero);
@@ -462,15 +453,9 @@ fn friction_impulse<L: Lanes>(block: &Block, at: usize, u: &Pair<L>, f: &Frame<L
 
 /// The impulse of the rebound bears friction as the one that stopped the approach did: Δv_t ≤ μ (1 + e) v_n in all.
 #[inline(always)]
-fn rebound_friction<L: Lanes, const N: usize>(
-    block: &mut Block,
-    at: usize,
-    u: &mut Pair<L>,
-    f: &Frame<L>,
-    added: L,
-) {
+fn rebound_friction<L: Lanes>(block: &mut Block, at: usize, u: &mut Pair<L>, f: &Frame<L>, added: L) {
     let mut total = L::zero();
-    for i in 0..N {
+    for i in 0..block.points_max.min(4) {
         total = total + L::load(&block.points[i].impulse[at..]);
     }
     let wanted = friction_impulse(block, at, u, f, L::load(&block.mu[at..]) * total);
@@ -489,7 +474,7 @@ fn rebound_friction<L: Lanes, const N: usize>(
 }
 
 #[inline(always)]
-fn restitution<L: Lanes, const N: usize>(
+fn restitution<L: Lanes>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
@@ -498,18 +483,19 @@ fn restitution<L: Lanes, const N: usize>(
 ) {
     let f = Frame::<L>::load(block, at);
     let mut u = Pair::load(block, at, access, g);
-    let mut speeds = f.at_points::<N>(block, at, &u.relative(&f));
+    let count = block.points_max.min(4);
+    let mut speeds = f.at_points::<4>(block, at, count, &u.relative(&f));
     let zero = L::zero();
     let (mut added, mut change) = (zero, L::splat(-1.0));
     // Poisson's bound: what is given back is at most e times what was taken. Newton's law alone adds energy where friction
     // turns the body during the impact (Kane & Levinson 1985). The allowance is for gravity within the step.
     let e = L::load(&block.restitution[at..]);
     let mut budget = L::load(&block.compression[at..]) * (L::splat(1.0) + e * L::splat(POISSON));
-    for i in 0..N {
+    for i in 0..count {
         budget = budget - L::load(&block.sums[i].total[at..]);
     }
     let mut sum = Sum::nothing();
-    for i in 0..N {
+    for i in 0..count {
         let (rows, sums) = (&mut block.points[i], &mut block.sums[i]);
         let rebound = L::load(&sums.rebound[at..]);
         let total = L::load(&sums.total[at..]);
@@ -531,10 +517,10 @@ fn restitution<L: Lanes, const N: usize>(
         added = added + (new - old);
         let moved = L::select(bounces & mass.gt(zero), (new - old).abs() / mass, L::splat(-1.0));
         change = change.max(moved);
-        sum.add(block, at, i, new - old, &mut speeds);
+        sum.add(block, at, i, new - old, &mut speeds[..count]);
     }
     change.store(&mut block.rebound_change[at..]);
     u.push_points(&f, block, at, &sum);
-    rebound_friction::<L, N>(block, at, &mut u, &f, added);
+    rebound_friction(block, at, &mut u, &f, added);
     u.store(access, g);
 }
