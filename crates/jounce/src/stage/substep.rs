@@ -31,6 +31,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let others = !world.joints.is_empty() || !world.vehicles.is_empty();
     let mut bodies = Bodies { todo: Todo::default() };
     for i in 0..step.substeps {
+        if bodies.todo.go {
+            // Without contacts nothing else has asked for it.
+            bodies.now(world, step);
+        }
         bodies.todo.drive = true;
         if fields {
             bodies.now(world, step);
@@ -45,7 +49,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         if i == 0 {
             bodies.counted(world, Pass::Warm, step);
         } else {
-            bodies.todo.push = true;
+            bodies.todo.push = !world.scratch.rows.is_empty();
         }
         if others {
             bodies.now(world, step);
