@@ -8,8 +8,9 @@
 
 use super::{Step, broadphase};
 use crate::edit::world_bounds;
-use crate::room::contacts::state::Place;
+use crate::room::contacts::state::{Place, ShapeRecord};
 use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::{BodyFrame, Motion};
 use crate::world::World;
 use jounce_geometry::{
     Aabb, Manifold, ManifoldSet, PairCache, Shape, Sweep, TimeOfImpact, collide, stays_shallow,
@@ -22,6 +23,8 @@ use std::sync::PoisonError;
 const CHUNK: usize = 4;
 /// A body that moved less than this part of its inner radius cannot have passed anything.
 const FAST: f32 = 0.5;
+/// A turn over which an arc is hardly longer than its chord, rad.
+const TURN_SMALL: f32 = 0.5;
 /// Part of the inner radius that a sliding body may sink in within a step.
 const GRAZE: f32 = 0.25;
 /// Part of its way below which a body counts as stopped where it was.
@@ -104,30 +107,49 @@ fn first_hit(world: &World, slot: u32, set: &mut ManifoldSet) -> f32 {
             continue;
         }
         // A part near the middle of a long body may move little while its end is fast.
-        let reach = r.shape.outer_radius(r.pose.inverse_transform_point(f.local_center));
-        if state.dp.length() + state.dr.length() * reach < FAST * 0.5 * r.thickness {
+        let way = way(r, f, &state);
+        if way < FAST * 0.5 * r.thickness {
             continue;
         }
         let bounds = |c, q: jounce_math::Quat| {
             let p = q.rotate(r.pose.p - f.local_center);
             world_bounds(&r.shape, &WorldPose::new(c + p.as_dvec3(), q * r.pose.q))
         };
-        let swept: Aabb = bounds(f.center0, f.rotation0).union(&bounds(f.center, f.rotation));
         let mut see = |other: u32| {
             if broadphase::may_meet(world, s, other) {
                 first = f32s::min(first, meet(world, [s, other], &mut core, set));
             }
             true
         };
-        world.fixed_tree.query(&swept, &mut see);
-        if body.bullet {
-            world.moving_tree.query(&swept, &mut see);
+        // Most of what is fast has nothing near, and a box around all that it can reach is quickly made.
+        let far = world.fat[s as usize].expanded(way * 1.001 + 0.001 * r.thickness);
+        let mut alone = !body.bullet;
+        world.fixed_tree.query(&far, |_| {
+            alone = false;
+            false
+        });
+        if !alone {
+            let swept: Aabb = bounds(f.center0, f.rotation0).union(&bounds(f.center, f.rotation));
+            world.fixed_tree.query(&swept, &mut see);
+            if body.bullet {
+                world.moving_tree.query(&swept, &mut see);
+            }
         }
         for &plane in &world.unbounded {
             see(plane);
         }
     }
     first
+}
+
+/// No point of the shape moved farther than this in the step.
+fn way(r: &ShapeRecord, f: &BodyFrame, state: &Motion) -> f32 {
+    let arm = r.pose.transform_point(r.middle) - f.local_center;
+    let turn = state.dr.length();
+    if turn > TURN_SMALL {
+        return state.dp.length() + turn * (arm.length() + r.reach);
+    }
+    (state.dp + f.rotation.rotate(arm) - f.rotation0.rotate(arm)).length() + turn * r.reach
 }
 
 /// Time of impact of shape `s` against shape `other` over the last step.

@@ -32,13 +32,44 @@ pub(super) fn run(world: &mut World, step: &Step) {
 }
 
 fn passes(world: &mut World, step: &Step, pass: Pass) {
-    let (mut change, mut passes) = (f32::MAX, 0);
-    while change > QUIET && passes < limits::RESTITUTION_PASSES_MAX {
+    world.scratch.blocks.iter_mut().flatten().for_each(|b| b.live = bounces(b));
+    world.scratch.stirred.clear();
+    world.scratch.stirred.resize(world.awake.state.len(), 0);
+    for count in 1..=limits::RESTITUTION_PASSES_MAX as u32 {
         substep::sweep(world, pass, step);
-        let all = world.scratch.blocks.iter().flatten().filter(|b| b.any_rebound);
-        change = all.flat_map(|b| b.rebound_change).fold(0.0, f32s::max);
-        passes += 1;
+        if stir(world, count) <= QUIET {
+            return;
+        }
     }
+}
+
+/// Finds what the next pass has to go over: a block none of whose bodies the last pass changed would change nothing. Gives the
+/// largest change of a rebound speed.
+fn stir(world: &mut World, count: u32) -> f32 {
+    let scratch = &mut world.scratch;
+    let (colors, stirred) = (&scratch.colors, &mut scratch.stirred);
+    let mut change = 0.0;
+    for (color, list) in scratch.blocks.iter().enumerate() {
+        let rows = colors.rows(color).chunks(LANES);
+        for (b, rows) in list.iter().zip(rows).filter(|(b, _)| b.live) {
+            for (row, &by) in rows.iter().zip(&b.rebound_change).filter(|(_, by)| **by > 0.0) {
+                change = f32s::max(change, by);
+                for item in [row.a(), row.b()] {
+                    if let Some(s) = stirred.get_mut(item as usize) {
+                        *s = count;
+                    }
+                }
+            }
+        }
+    }
+    let is_stirred = |item: u32| stirred.get(item as usize) == Some(&count);
+    for (color, list) in scratch.blocks.iter_mut().enumerate() {
+        let rows = colors.rows(color).chunks(LANES);
+        for (b, rows) in list.iter_mut().zip(rows).filter(|(b, _)| b.any_rebound) {
+            b.live = rows.iter().any(|r| is_stirred(r.a()) || is_stirred(r.b())) && bounces(b);
+        }
+    }
+    change
 }
 
 fn points(b: &Block) -> usize {

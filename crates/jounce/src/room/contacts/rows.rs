@@ -202,6 +202,8 @@ pub(crate) struct Block {
     /// Some row has rolling friction / restitution.
     pub any_rolling: bool,
     pub any_rebound: bool,
+    /// The pass of restitution at hand goes over it.
+    pub live: bool,
     /// Largest change of a rebound speed in the last pass of restitution, m/s; negative where nothing bounces.
     pub rebound_change: Lane,
     /// Sum of the points' impulses over the step, before restitution.
@@ -261,6 +263,7 @@ impl Default for Block {
             points_max: 0,
             any_rolling: false,
             any_rebound: false,
+            live: false,
             rebound_change: [-1.0; LANES],
             compression: L,
             results: [Outcome::ZERO; LANES],
