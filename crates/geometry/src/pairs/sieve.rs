@@ -33,6 +33,19 @@ pub(crate) struct Sieve {
     used: usize,
 }
 
+/// Those of a [`Sieve`], one by one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Directions {
+    all: [Direction; DIRECTIONS_MAX],
+    used: usize,
+}
+
+impl Directions {
+    pub fn all(&self) -> &[Direction] {
+        &self.all[..self.used]
+    }
+}
+
 impl Sieve {
     /// Around `core` and all within `reach` (its radius included) of it.
     pub fn new(core: &Core, pose: &Pose, reach: f32, surface: &Aabb) -> Self {
@@ -75,11 +88,16 @@ impl Sieve {
         s
     }
 
-    /// All directions, with their limits; some are none ([`NONE`]).
-    pub(super) fn directions(&self) -> impl Iterator<Item = Direction> {
-        let of =
-            |[x, y, z, limit]: &Block| core::array::from_fn::<_, WIDE, _>(|i| [x[i], y[i], z[i], limit[i]]);
-        self.blocks[..self.used].iter().flat_map(of)
+    /// The directions one by one, with their limits.
+    pub(super) fn directions(&self) -> Directions {
+        let mut d = Directions { all: [[0.0; 4]; DIRECTIONS_MAX], used: 0 };
+        for [x, y, z, limit] in &self.blocks[..self.used] {
+            for i in (0..WIDE).filter(|&i| limit[i] < f32::INFINITY) {
+                d.all[d.used] = [x[i], y[i], z[i], limit[i]];
+                d.used += 1;
+            }
+        }
+        d
     }
 
     /// May a contact lie on the triangle of normal `n`, under which the shape is at most `deep`? Points of the shape that are above the

@@ -287,3 +287,49 @@ fn sweep_between(start: &Pose, end: &Pose, local_center: Vec3) -> Sweep {
         rotation: [start.q, end.q],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BodyDesc, ShapeDesc, WorldDesc};
+    use jounce_geometry::Hull;
+    use jounce_math::{DVec3, Quat};
+    use std::sync::Arc;
+
+    /// No corner of a part that is far from the body's centre moves farther than is said; and a body that rolls about its own axis
+    /// is not taken to be fast at its ends.
+    #[test]
+    fn says_how_far_a_part_moves() {
+        let mut state = 5_u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut vec = |s: f32| Vec3::new(random(), random(), random()) * s;
+        for k in 0..400 {
+            let middle = vec(10.0);
+            let corners: Vec<Vec3> = (0..12).map(|_| middle + vec(1.0)).collect();
+            let hull = Arc::new(Hull::new(&corners).expect("a hull"));
+            let mut w = World::new(WorldDesc::default()).expect("valid");
+            let d = BodyDesc::dynamic().shape(ShapeDesc::hull(hull.clone())).shape(ShapeDesc::sphere(1.0));
+            let slot = w.add_body(d).expect("valid").index;
+            let r = &w.shapes[w.bodies[slot].shapes[0]];
+            let (dp, dr) = (vec(1.0), vec([0.1, 0.4, 2.0][k % 3]));
+            let turn = Quat::from_axis_angle(dr.normalize_or(Vec3::Y), dr.length());
+            let f = &mut w.frames[slot as usize];
+            f.center = f.center0 + dp.as_dvec3();
+            f.rotation = turn * f.rotation0;
+            let motion = Motion { dp, dr, ..w.awake.state[0].get() };
+            let way = way(r, f, &motion);
+            let mut most = 0.0;
+            for c in hull.vertices() {
+                let arm = *c - f.local_center;
+                let at = |c: DVec3, q: Quat| c + q.rotate(arm).as_dvec3();
+                let moved = at(f.center, f.rotation) - at(f.center0, f.rotation0);
+                most = f32s::max(most, moved.length() as f32);
+            }
+            assert!(most <= way * 1.0001, "{most} {way}");
+            assert!(dr.length() > 0.4 || way < most + 2.5 * dr.length(), "{most} {way}");
+        }
+    }
+}

@@ -53,8 +53,11 @@ fn call(world: &World, contacts: &[Contact], heads: &[PairHead], i: usize) {
     h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
     prefetch(&c.id);
     prefetch(&c.edge);
+    prefetch(&c.tested_rotations);
     if h.touching {
         prefetch(&c.manifold);
+        prefetch(&c.manifold.points[1]);
+        prefetch(&c.manifold.points[3]);
     }
 }
 
@@ -155,8 +158,8 @@ fn margin(world: &World, c: &Contact, bouncy: bool, dt: f32) -> f32 {
     let motion = |body: u32| {
         let f = &world.frames[body as usize];
         world.awake.state.get(f.row as usize).map_or((Vec3::ZERO, 0.0), |s| {
-            let outer = world.bodies[body].mass.outer_radius;
-            (s.v() + world.awake.step[f.row as usize].acceleration * dt, s.w().length() * outer)
+            let b = &world.awake.step[f.row as usize];
+            (s.v() + b.acceleration * dt, s.w().length() * b.radius)
         })
     };
     // What falls side by side does not meet.
