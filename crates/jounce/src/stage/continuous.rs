@@ -311,7 +311,9 @@ mod tests {
             let corners: Vec<Vec3> = (0..12).map(|_| middle + vec(1.0)).collect();
             let hull = Arc::new(Hull::new(&corners).expect("a hull"));
             let mut w = World::new(WorldDesc::default()).expect("valid");
-            let d = BodyDesc::dynamic().shape(ShapeDesc::hull(hull.clone())).shape(ShapeDesc::sphere(1.0));
+            let d = BodyDesc::dynamic()
+                .shape(ShapeDesc::new(Shape::Hull(hull.clone())))
+                .shape(ShapeDesc::sphere(1.0));
             let slot = w.add_body(d).expect("valid").index;
             let r = &w.shapes[w.bodies[slot].shapes[0]];
             let (dp, dr) = (vec(1.0), vec([0.1, 0.4, 2.0][k % 3]));
