@@ -179,9 +179,12 @@ impl World {
     fn attach(&mut self, body: u32, d: ShapeDesc) -> u32 {
         let mut pose = d.pose;
         pose.q = pose.q.normalize();
+        let (middle, reach) = middle(&d.shape);
         let (slot, _) = self.shapes.insert(ShapeRecord {
             body,
             thickness: thickness(&d.shape),
+            middle,
+            reach,
             volume: d.shape.volume() as f32,
             ball_radius: d.shape.equal_volume_radius(),
             aero: d.aero,
@@ -440,6 +443,7 @@ impl World {
         self.unplace_shape(slot);
         let r = &mut self.shapes[slot];
         r.thickness = thickness(&probe.shape);
+        (r.middle, r.reach) = middle(&probe.shape);
         (r.volume, r.ball_radius) = (probe.shape.volume() as f32, probe.shape.equal_volume_radius());
         r.shape = probe.shape;
         self.update_mass(body);
@@ -535,6 +539,14 @@ fn check_force(field: &'static str, f: Vec3) -> Result<()> {
 fn thickness(s: &Shape) -> f32 {
     let r = s.inner_radius();
     if r > 0.0 { 2.0 * r } else { f32::MAX }
+}
+
+/// The middle of a shape's bounds and how far it reaches from there; of one without bounds, its origin.
+fn middle(s: &Shape) -> (Vec3, f32) {
+    let b = s.aabb(&Pose::IDENTITY);
+    let c = b.center();
+    let c = if b.min.is_finite() && b.max.is_finite() && c.is_finite() { c } else { Vec3::ZERO };
+    (c, s.outer_radius(c))
 }
 
 /// Rows and bounds.

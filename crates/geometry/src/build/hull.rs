@@ -47,6 +47,8 @@ pub struct Hull {
     pub(crate) faces: Vec<HullFace>,
     /// Their normals, likewise.
     pub(crate) normals: Corners,
+    /// How far the corners reach along them, in the rounding of that product.
+    pub(crate) reaches: Vec<f32>,
     pub(crate) loops: Vec<u16>,
     pub(crate) edges: Vec<HullEdge>,
     pub(crate) aabb: Aabb,
@@ -155,6 +157,7 @@ impl Hull {
         let corners = Corners::new(&vertices);
         let directions: Vec<Vec3> = faces.iter().map(|f| f.normal).collect();
         let normals = Corners::new(&directions);
+        let reaches = directions.iter().map(|n| n.dot(vertices[corners.farthest(*n)])).collect();
         let edges = edges_of(&faces, &loops);
         let center = aabb.center();
         let (volume, centroid) = (0.0, center.as_dvec3());
@@ -163,6 +166,7 @@ impl Hull {
             corners,
             faces,
             normals,
+            reaches,
             loops,
             edges,
             aabb,

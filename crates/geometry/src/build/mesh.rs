@@ -1,5 +1,6 @@
 //! Triangle meshes: soup in, adjacency, edge flags and a tree out.
 
+use crate::pairs::Surface;
 use crate::{Aabb, Bvh, GeometryError, NO_SUB, limits};
 use jounce_math::{
     Vec3,
@@ -48,7 +49,8 @@ pub struct TriMesh {
     pub(crate) patches: Vec<Patch>,
     /// Bit k: edge k is convex or a border (contacts on it may use edge normals); clear: flat or concave.
     /// Bit 3 + k: edge k is flat to within a degree. An edge of more than two triangles, or of two that
-    /// disagree about inside and outside, is a border.
+    /// disagree about inside and outside, is a border. Bits 6 and 7: only the face of the front, or the back, can be touched
+    /// by bodies with faces.
     pub(crate) edge_flags: Vec<u8>,
     pub(crate) materials: Vec<u16>,
     pub(crate) tree: Bvh,
@@ -116,6 +118,9 @@ impl TriMesh {
             vertices,
         };
         mesh.edge_flags = (0..mesh.patches.len() as u32).map(|i| mesh.flags_of(i)).collect();
+        let gentle: Vec<u8> =
+            (0..mesh.patches.len() as u32).map(|i| Surface::Mesh(&mesh).gentle_flags(i)).collect();
+        mesh.edge_flags.iter_mut().zip(gentle).for_each(|(flags, g)| *flags |= g);
         Ok(mesh)
     }
     /// With a material index per triangle (same length as the given list); looked up by results' `sub`.

@@ -29,7 +29,8 @@ pub(crate) fn compound(
         let Some((frame, child)) = a.children().get(index as usize) else { continue };
         let start = out.len();
         let b_in_child = frame.relative(pose);
-        append(child, b, &b_in_child, margin, &mut PairCache::default(), (&mut *scratch, &mut *mesh), out);
+        let cache = (&mut PairCache::default(), None);
+        append(child, b, &b_in_child, margin, cache, (&mut *scratch, &mut *mesh), out);
         for m in &mut out[start..] {
             m.normal = frame.q.rotate(m.normal);
             m.sub_a = index;

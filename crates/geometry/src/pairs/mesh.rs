@@ -11,6 +11,7 @@
 
 use super::feature::Convex;
 use super::general::{self, Scratch};
+use super::near::{Asker, Near};
 use super::one_point;
 use super::poly::TrianglePoly;
 use super::reduce::reduce;
@@ -54,32 +55,46 @@ pub(crate) struct MeshScratch {
 /// Points that there is room for from the first mesh on, and manifolds: lists that serve many pairs do not go on growing.
 const ROOM: usize = 32;
 
-/// Surface A against convex B with bounds `bounds` in A's frame (margin included).
+/// Surface A against convex B with bounds `bounds()` in A's frame (margin included).
 pub(crate) fn surface_convex(
     a: &Surface,
     b: &Convex,
     pose: &Pose,
-    bounds: &Aabb,
+    bounds: impl Fn() -> Aabb,
     margin: f32,
-    cache: &mut PairCache,
+    (cache, near): (&mut PairCache, Option<&mut Near>),
     (scratch, mesh): (&mut Scratch, &mut MeshScratch),
     out: &mut Vec<Manifold>,
 ) {
+    let center = pose.transform_point(b.center());
+    if near.as_ref().is_some_and(|n| n.is_free(center, pose.q, b.core.reach() + b.radius, margin)) {
+        return;
+    }
     mesh.candidates.clear();
     mesh.faces.clear();
     scratch.forget();
-    let center = pose.transform_point(b.center());
     let sieve = Sieve::new(&b.core, pose, b.radius + margin, &a.bounds());
     // As deep as it can be with its centre in front.
     let deepest = b.core.reach() + b.radius;
-    mesh.triangles.clear();
-    a.visit(bounds, |index| {
-        if a.facing(index, center).is_some_and(|t| sieve.passes(&t.corners, t.normal, deepest)) {
-            mesh.triangles.push(index);
+    let bounds = bounds();
+    let known = match (a, near) {
+        (Surface::Mesh(m), Some(near)) => {
+            let (sieve, bounds) = (&sieve, &bounds);
+            let shape = Asker { sieve, bounds, center, rotation: pose.q, margin, deepest };
+            near.find(m, &shape, &mut mesh.triangles)
         }
-    });
-    // The tree's shape is an accident of its history.
-    mesh.triangles.sort_unstable();
+        _ => false,
+    };
+    if !known {
+        mesh.triangles.clear();
+        a.visit(&bounds, |index| {
+            if a.facing(index, center).is_some_and(|t| sieve.passes(&t.corners, t.normal, deepest)) {
+                mesh.triangles.push(index);
+            }
+        });
+        // The tree's shape is an accident of its history.
+        mesh.triangles.sort_unstable();
+    }
     for &index in &mesh.triangles {
         let Some(t) = a.facing(index, center) else { continue };
         let Some(m) = triangle(a, &t, &sieve, b, pose, margin, scratch) else { continue };

@@ -10,6 +10,7 @@ mod general;
 mod half_space;
 mod hull_hull;
 mod mesh;
+mod near;
 mod poly;
 mod reduce;
 mod sieve;
@@ -24,6 +25,7 @@ pub(crate) use general::Scratch;
 use half_space::Plane;
 use jounce_math::{Pose, Vec3};
 pub(crate) use mesh::MeshScratch;
+pub use near::Near;
 pub(crate) use sieve::SweptSieve;
 pub(crate) use surface::Surface;
 
@@ -70,13 +72,41 @@ pub fn collide(
     cache: &mut PairCache,
     out: &mut ManifoldSet,
 ) {
+    whole(a, b, b_in_a, margin, cache, None, out);
+}
+
+/// The same for a pair that is tested again and again: `near` keeps what is near of a mesh. It changes no result, but must not be given to
+/// another pair.
+pub fn collide_again(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    near: &mut Option<Box<Near>>,
+    out: &mut ManifoldSet,
+) {
+    let meets_mesh = |a: &Shape, b: &Shape| matches!(a, Shape::Mesh(_)) && b.is_convex();
+    let near = (meets_mesh(a, b) || meets_mesh(b, a)).then(|| &mut **near.get_or_insert_default());
+    whole(a, b, b_in_a, margin, cache, near, out);
+}
+
+fn whole(
+    a: &Shape,
+    b: &Shape,
+    b_in_a: &Pose,
+    margin: f32,
+    cache: &mut PairCache,
+    near: Option<&mut Near>,
+    out: &mut ManifoldSet,
+) {
     out.clear();
     cache.gap = 0.0;
     if !b_in_a.is_finite() {
         return;
     }
     let ManifoldSet { manifolds, scratch, mesh } = out;
-    append(a, b, b_in_a, margin, cache, (scratch, mesh), manifolds);
+    append(a, b, b_in_a, margin, (cache, near), (scratch, mesh), manifolds);
     manifolds.truncate(MANIFOLDS_PER_PAIR_MAX);
 }
 
@@ -86,7 +116,7 @@ fn append(
     b: &Shape,
     b_in_a: &Pose,
     margin: f32,
-    cache: &mut PairCache,
+    cache: (&mut PairCache, Option<&mut Near>),
     scratch: (&mut Scratch, &mut MeshScratch),
     out: &mut Vec<Manifold>,
 ) {
@@ -108,7 +138,7 @@ fn ordered(
     b: &Shape,
     pose: &Pose,
     margin: f32,
-    cache: &mut PairCache,
+    (cache, near): (&mut PairCache, Option<&mut Near>),
     (scratch, mesh): (&mut Scratch, &mut MeshScratch),
     out: &mut Vec<Manifold>,
 ) {
@@ -132,7 +162,7 @@ fn ordered(
         _ => return,
     };
     if let Some(b) = Convex::of(b) {
-        mesh::surface_convex(&surface, &b, pose, &bounds(), margin, cache, (scratch, mesh), out);
+        mesh::surface_convex(&surface, &b, pose, bounds, margin, (cache, near), (scratch, mesh), out);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::convex::core::Core;
 use jounce_math::{Pose, Vec3, scalar::f32s};
 
 /// Directions abreast.
-const WIDE: usize = 4;
+pub(super) const WIDE: usize = 4;
 /// Most directions: of a hull with more faces only so many are asked.
 const DIRECTIONS_MAX: usize = 16;
 /// Directions that a sweep remembers.
@@ -20,6 +20,9 @@ const SIDE: f32 = 0.866_025_4;
 /// x, y, z of unit directions, and how far along them the shape reaches.
 type Block = [[f32; WIDE]; 4];
 
+/// One of them.
+pub(super) type Direction = [f32; 4];
+
 /// No direction.
 const NONE: Block = [[0.0; WIDE], [0.0; WIDE], [0.0; WIDE], [f32::INFINITY; WIDE]];
 
@@ -30,41 +33,71 @@ pub(crate) struct Sieve {
     used: usize,
 }
 
+/// Those of a [`Sieve`], one by one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Directions {
+    all: [Direction; DIRECTIONS_MAX],
+    used: usize,
+}
+
+impl Directions {
+    pub fn all(&self) -> &[Direction] {
+        &self.all[..self.used]
+    }
+}
+
 impl Sieve {
     /// Around `core` and all within `reach` (its radius included) of it.
     pub fn new(core: &Core, pose: &Pose, reach: f32, surface: &Aabb) -> Self {
         let more = reach + slack(surface, core, pose.p.abs().max_component());
-        Self::with(core, |d| {
+        Self::with(core, |d, far| {
             let n = pose.q.rotate(d);
-            (n, d.dot(core.support(d)) + n.dot(pose.p) + more)
+            let far = far.unwrap_or_else(|| d.dot(core.support(d)));
+            (n, far + n.dot(pose.p) + more)
         })
     }
 
-    fn with(core: &Core, slab: impl Fn(Vec3) -> (Vec3, f32)) -> Self {
+    /// From a direction of the core's own, and how far it reaches along that where that is known, to the slab there.
+    fn with(core: &Core, slab: impl Fn(Vec3, Option<f32>) -> (Vec3, f32)) -> Self {
         let mut s = Self { blocks: [NONE; DIRECTIONS_MAX / WIDE], used: 0 };
-        let mut put = |i: usize, d: Vec3| {
-            set(&mut s.blocks[i / WIDE], i % WIDE, slab(d));
+        let mut put = |i: usize, d: Vec3, far: Option<f32>| {
+            set(&mut s.blocks[i / WIDE], i % WIDE, slab(d, far));
             s.used = i / WIDE + 1;
         };
         match core {
             Core::Hull(h) => {
                 let count = h.faces.len().min(DIRECTIONS_MAX);
-                (0..count).for_each(|i| put(i, h.faces[i * h.faces.len() / count].normal));
+                for i in 0..count {
+                    let f = i * h.faces.len() / count;
+                    put(i, h.faces[f].normal, Some(h.reaches[f]));
+                }
             }
             Core::Box(_) => {
                 let axes = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z];
-                axes.into_iter().enumerate().for_each(|(i, d)| put(i, d));
+                axes.into_iter().enumerate().for_each(|(i, d)| put(i, d, None));
             }
             Core::Segment(_) | Core::Cylinder(..) | Core::Cone(..) => {
                 let around =
                     [(1.0, 0.0), (0.5, SIDE), (-0.5, SIDE), (-1.0, 0.0), (-0.5, -SIDE), (0.5, -SIDE)];
                 let around = around.map(|(x, z)| Vec3::new(x, 0.0, z));
                 let all = [Vec3::Y, -Vec3::Y].into_iter().chain(around);
-                all.enumerate().for_each(|(i, d)| put(i, d));
+                all.enumerate().for_each(|(i, d)| put(i, d, None));
             }
             Core::Point | Core::Triangle(_) => {}
         }
         s
+    }
+
+    /// The directions one by one, with their limits.
+    pub(super) fn directions(&self) -> Directions {
+        let mut d = Directions { all: [[0.0; 4]; DIRECTIONS_MAX], used: 0 };
+        for [x, y, z, limit] in &self.blocks[..self.used] {
+            for i in (0..WIDE).filter(|&i| limit[i] < f32::INFINITY) {
+                d.all[d.used] = [x[i], y[i], z[i], limit[i]];
+                d.used += 1;
+            }
+        }
+        d
     }
 
     /// May a contact lie on the triangle of normal `n`, under which the shape is at most `deep`? Points of the shape that are above the
@@ -106,7 +139,7 @@ impl<'a> SweptSieve<'a> {
         let far = f32s::max(from.abs().max_component(), to.abs().max_component());
         let more = reach + sagitta + slack(surface, &core, far + sweep.local_center.length());
         let q0 = sweep.rotation[0];
-        let own = Sieve::with(&core, |d| {
+        let own = Sieve::with(&core, |d, _| {
             let n = q0.rotate(d);
             (n, swept_reach(&core, sweep, n) + more)
         });

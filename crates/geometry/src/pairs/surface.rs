@@ -14,6 +14,9 @@ const SWEEP_STRETCHES_MAX: usize = 256;
 /// Ridges up to this angle (cosine; 8°) are as good as flat for bodies with faces.
 const GENTLE_COSINE: f32 = 0.990_27;
 
+/// Bits of `TriMesh::edge_flags` that say so, of the front and of the back.
+const GENTLE_BIT: [u8; 2] = [6, 7];
+
 /// What continues the surface across an edge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Across {
@@ -188,6 +191,23 @@ impl Surface<'_> {
 
     /// Nothing sticks out at any edge by more than a gentle slope: only the face can be touched.
     pub fn is_gentle(&self, t: &Facing) -> bool {
+        match self {
+            Self::Mesh(m) => m.edge_flags[t.index as usize] >> GENTLE_BIT[usize::from(t.behind)] & 1 != 0,
+            Self::HeightField(_) => self.finds_gentle(t),
+        }
+    }
+
+    /// Flags of a triangle's two sides that are gentle.
+    pub fn gentle_flags(&self, index: u32) -> u8 {
+        let (Some(corners), Some(normal)) = (self.corners(index), self.normal(index)) else { return 0 };
+        let [a, b, c] = corners;
+        let front = Facing { index, corners, normal, behind: false };
+        let back = Facing { index, corners: [a, c, b], normal: -normal, behind: true };
+        let bit = |t: &Facing| u8::from(self.finds_gentle(t)) << GENTLE_BIT[usize::from(t.behind)];
+        bit(&front) | if self.is_two_sided() { bit(&back) } else { 0 }
+    }
+
+    fn finds_gentle(&self, t: &Facing) -> bool {
         (0..3).all(|k| match self.across(t, k) {
             Across::Internal => true,
             Across::Convex(m) => m.dot(t.normal) > GENTLE_COSINE,

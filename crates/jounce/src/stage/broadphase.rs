@@ -11,7 +11,7 @@ use super::reach::{BLOCK, Block, Group, Kernel};
 use crate::event::Event;
 use crate::hooks::PairView;
 use crate::limits;
-use crate::room::contacts::state::{Contact, ContactManifold, Place};
+use crate::room::contacts::state::{Contact, ContactManifold, Place, ShapeRecord};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::table::pair_key;
@@ -400,7 +400,7 @@ fn make_contact(world: &mut World, key: u64) {
     }
     let unit = world.settings.length_unit;
     let thin = f32s::min(ra.thickness, rb.thickness);
-    let center = rb.pose.inverse_transform_point(world.frames[body_b as usize].local_center);
+    let (middle_b, extent_b) = pivot(rb, world.frames[body_b as usize].local_center);
     // Only these have more than one manifold.
     let many = !(ra.shape.is_convex() && rb.shape.is_convex());
     let rest = if many { world.scratch.manifolds.pop() } else { None }.unwrap_or_default();
@@ -423,7 +423,11 @@ fn make_contact(world: &mut World, key: u64) {
         manifold: ContactManifold::default(),
         rest,
         slop: f32s::min(0.005 * unit, 0.05 * thin),
-        extent_b: rb.shape.outer_radius(center),
+        extent_b,
+        middle_b,
+        margin: 0.0,
+        bouncy: false,
+        near: None,
         recycle_tolerance: f32s::min(0.02 * unit, 0.1 * thin),
         spare: 0.0,
         deep: false,
@@ -431,6 +435,17 @@ fn make_contact(world: &mut World, key: u64) {
         hit_speed: 0.0,
     };
     world.link_contact(contact);
+}
+
+/// The point about which the turns of a shape are counted, from the body's centre of mass in the body's axes, and how far the shape reaches
+/// from there: the centre of mass, or the middle of a shape that is far from it.
+fn pivot(r: &ShapeRecord, center: Vec3) -> (Vec3, f32) {
+    let outer = r.shape.outer_radius(r.pose.inverse_transform_point(center));
+    if r.shape.is_convex() && 2.0 * r.reach < outer {
+        (r.pose.transform_point(r.middle) - center, r.reach)
+    } else {
+        (Vec3::ZERO, outer)
+    }
 }
 
 #[cfg(test)]

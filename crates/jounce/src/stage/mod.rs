@@ -104,6 +104,8 @@ pub(crate) struct Scratch {
     pub vehicles: vehicles::VehicleScratch,
     /// By awake row: how hard and which way it was pushed.
     pub squeeze: Vec<(f32, jounce_math::Vec3)>,
+    /// By awake row: the last pass of restitution that changed its velocity.
+    pub stirred: Vec<u32>,
 }
 
 impl Scratch {

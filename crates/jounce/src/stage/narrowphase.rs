@@ -7,7 +7,7 @@ use crate::room::contacts::desc::{Combine, Material};
 use crate::room::contacts::state::{Anchor, Contact, ContactManifold, PairHead, Point, ShapeRecord, Surface};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
-use jounce_geometry::{Manifold, ManifoldSet, Shape, collide};
+use jounce_geometry::{Manifold, ManifoldSet, Shape, collide_again};
 use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::PoisonError;
@@ -53,8 +53,11 @@ fn call(world: &World, contacts: &[Contact], heads: &[PairHead], i: usize) {
     h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
     prefetch(&c.id);
     prefetch(&c.edge);
+    prefetch(&c.tested_rotations);
     if h.touching {
         prefetch(&c.manifold);
+        prefetch(&c.manifold.points[1]);
+        prefetch(&c.manifold.points[3]);
     }
 }
 
@@ -77,9 +80,9 @@ fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) -> f32
     }
     let pose = relative_pose(world, c);
     let mut room = 0.0;
-    if !recycle(world, c, &pose, &mut room) {
+    if !recycle(world, c, &pose, &mut room, dt) {
         test(world, c, &pose, set, dt);
-        room = c.spare;
+        room = if c.bouncy { 0.0 } else { c.spare };
     }
     if let Some((_, hook)) = &world.hooks.contact {
         ask_hook(world, c, hook.as_ref());
@@ -103,16 +106,26 @@ fn bounds_meet(world: &World, c: &Contact) -> bool {
 }
 
 /// Keeps the manifolds of the last test when the pair moved less than the tolerance since; only the gaps are new.
-fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32) -> bool {
+fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32) -> bool {
     if !c.tested || !world.settings.recycle_contacts || world.hooks.contact.is_some() {
         return false;
     }
-    let moved = (pose.p - c.tested_pose.p).length();
+    let mut moved = pose.p - c.tested_pose.p;
+    if c.middle_b != Vec3::ZERO {
+        moved += pose.q.rotate(c.middle_b) - c.tested_pose.q.rotate(c.middle_b);
+    }
     let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
-    let moved = moved + 2.0 * turn * c.extent_b;
+    let moved = moved.length() + 2.0 * turn * c.extent_b;
     if c.spare > moved * (1.0 + 1e-5) {
-        *room = c.spare - moved;
-        return true;
+        if !c.bouncy {
+            *room = c.spare - moved;
+            return true;
+        }
+        // How far ahead a bouncing pair looks changes from step to step.
+        let farther = f32s::max(margin(world, c, true, dt) - c.margin, 0.0);
+        if c.spare > (moved + farther) * (1.0 + 1e-5) {
+            return true;
+        }
     }
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
     let turned = |q: Quat, then: Quat| then.inverse_mul(q).xyz().length_squared();
@@ -145,8 +158,8 @@ fn margin(world: &World, c: &Contact, bouncy: bool, dt: f32) -> f32 {
     let motion = |body: u32| {
         let f = &world.frames[body as usize];
         world.awake.state.get(f.row as usize).map_or((Vec3::ZERO, 0.0), |s| {
-            let outer = world.bodies[body].mass.outer_radius;
-            (s.v() + world.awake.step[f.row as usize].acceleration * dt, s.w().length() * outer)
+            let b = &world.awake.step[f.row as usize];
+            (s.v() + b.acceleration * dt, s.w().length() * b.radius)
         })
     };
     // What falls side by side does not meet.
@@ -185,9 +198,9 @@ fn test(world: &World, c: &mut Contact, pose: &Pose, set: &mut ManifoldSet, dt: 
     let bouncy =
         fa.looks_ahead || fb.looks_ahead || ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
     let margin = margin(world, c, bouncy, dt);
-    collide(&ra.shape, &rb.shape, &b_in_a, margin, &mut c.cache, set);
-    // How far ahead a bouncing pair looks changes from step to step.
-    c.spare = if bouncy { 0.0 } else { f32s::max(c.cache.gap - margin, 0.0) };
+    collide_again(&ra.shape, &rb.shape, &b_in_a, margin, &mut c.cache, &mut c.near, set);
+    c.spare = f32s::max(c.cache.gap - margin, 0.0);
+    (c.margin, c.bouncy) = (margin, bouncy);
     c.tested = true;
     c.tested_pose = *pose;
     c.tested_rotations = [fa.rotation, fb.rotation];

@@ -244,6 +244,7 @@ pub(super) fn sweep(world: &mut World, pass: Pass, step: &Step) {
     let constants = &step.constants;
     let scratch = &mut world.scratch;
     let states = &mut world.awake.state;
+    let all = !matches!(pass, Pass::Compress | Pass::Restitution);
     for (color, blocks) in scratch.blocks.iter_mut().enumerate().take(ColorSets::COLORS) {
         if blocks.is_empty() {
             continue;
@@ -256,12 +257,18 @@ pub(super) fn sweep(world: &mut World, pass: Pass, step: &Step) {
             BodyState::FIXED,
             blocks,
             |access, rows, block| {
+                if !all && !block.live {
+                    return;
+                }
                 dispatch(width, Sweep { pass, access, rows, block, lane: 0, constants });
             },
         );
     }
     let overflow = &mut scratch.blocks[ColorSets::COLORS];
     scratch.colors.scatter_overflow(LANES, states, BodyState::FIXED, overflow, |access, row, block| {
+        if !all && !block.live {
+            return;
+        }
         let lane = row % LANES;
         dispatch(Width::X1, Sweep { pass, access, rows: row..row + 1, block, lane, constants });
     });

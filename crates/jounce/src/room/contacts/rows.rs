@@ -196,6 +196,8 @@ pub(crate) struct Block {
     pub any_rebound: bool,
     /// The inertia of every body is the same for all axes: cubes, spheres.
     pub round: bool,
+    /// The pass of restitution at hand goes over it.
+    pub live: bool,
     /// Largest change of a rebound speed in the last pass of restitution, m/s; negative where nothing bounces.
     pub rebound_change: Lane,
     /// Sum of the points' impulses over the step, before restitution.
@@ -304,6 +306,7 @@ impl Default for Block {
             any_surface: false,
             any_rebound: false,
             round: false,
+            live: false,
             rebound_change: [-1.0; LANES],
             compression: L,
             results: [Outcome::ZERO; LANES],

@@ -61,10 +61,6 @@ impl Kernel for Sweep<'_, '_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        // Blocks in which nothing bounces have no rebound speeds.
-        if matches!(self.pass, Pass::Compress | Pass::Restitution) && !self.block.any_rebound {
-            return;
-        }
         let Self { pass, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {

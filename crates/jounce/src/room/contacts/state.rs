@@ -3,7 +3,7 @@
 use super::desc::{Filter, MassSpec, Material};
 use crate::room::fields::desc::Aero;
 use crate::room::rigid::state::NONE;
-use jounce_geometry::{PairCache, Shape};
+use jounce_geometry::{Near, PairCache, Shape};
 use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3};
 
@@ -43,6 +43,9 @@ pub(crate) struct ShapeRecord {
     pub place: Place,
     /// Smallest thickness, metres: sets the slop.
     pub thickness: f32,
+    /// The middle of its bounds (its own frame), and how far from there it reaches.
+    pub middle: Vec3,
+    pub reach: f32,
     /// Sensors: visitor shape slots with generation, sorted.
     pub visitors: Vec<(u32, u32)>,
 }
@@ -269,8 +272,12 @@ pub(crate) struct Contact {
     pub edge: [u32; 2],
     /// What the shapes were apart beyond the margin at the last test, m: no part of either meets the other before it has moved so far.
     pub spare: f32,
-    /// Largest distance from B's origin that matters for turning.
+    /// Largest distance of a point of B from `middle_b`, and that from B's centre of mass, in body B's axes.
     pub extent_b: f32,
+    pub middle_b: Vec3,
+    /// How far ahead the last test looked, and whether that changes from step to step.
+    pub margin: f32,
+    pub bouncy: bool,
     pub recycle_tolerance: f32,
     /// min(slop, 5 % of the thinner shape).
     pub slop: f32,
@@ -280,6 +287,8 @@ pub(crate) struct Contact {
     /// Rotations of the two bodies at the last full test.
     pub tested_rotations: [Quat; 2],
     pub cache: PairCache,
+    /// Memory, not state.
+    pub near: Option<Box<Near>>,
 }
 
 impl Contact {
