@@ -250,3 +250,123 @@ fn edge_along(p: &Poly, n: Vec3) -> u32 {
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::hull_hull::separating_axis;
+    use super::*;
+    use crate::{Hull, Shape, distance};
+    use jounce_math::Quat;
+    use std::sync::Arc;
+
+    struct Random(u32);
+
+    impl Random {
+        fn next(&mut self) -> f32 {
+            self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
+        }
+        fn vec(&mut self, s: f32) -> Vec3 {
+            Vec3::new(self.next(), self.next(), self.next()) * s
+        }
+        fn hull(&mut self) -> Shape {
+            let half = Vec3::new(1.0, 0.4 + 0.5 * self.next().abs(), 0.8);
+            let mut point = || {
+                let d = self.vec(1.0).normalize_or(Vec3::Y);
+                Vec3::new(d.x * half.x, d.y * half.y, d.z * half.z)
+            };
+            let points: Vec<Vec3> = (0..12).map(|_| point()).collect();
+            Shape::Hull(Arc::new(Hull::new(&points).expect("points all around")))
+        }
+    }
+
+    const MARGIN: f32 = 0.02;
+
+    /// A kept direction's gap is the greatest but for the tolerance, over random walks of two shapes that touch. Gives how often
+    /// one was kept, and how often it was searched for.
+    fn walk(seed: u32, deepest: f32) -> (usize, usize) {
+        let mut rng = Random(seed);
+        let cube = Shape::Box { half: Vec3::new(0.6, 0.4, 0.8) };
+        let (a, b) = (rng.hull(), if seed % 3 == 0 { cube } else { rng.hull() });
+        let (x, y) = (Convex::of(&a).expect("convex"), Convex::of(&b).expect("convex"));
+        let (p, q) = (x.poly().expect("flat faces"), y.poly().expect("flat faces"));
+        let mut scratch = Scratch::default();
+        let mut cache = PairCache::default();
+        let (mut kept, mut searched) = (0, 0);
+        let start = rng.vec(1.0).normalize_or(Vec3::Y) * 2.5;
+        let mut pose = Pose::new(start, Quat::IDENTITY.integrate(rng.vec(1.0)));
+        for step in 0..400 {
+            pose.q = pose.q.integrate(rng.vec(0.03));
+            // Together, until they are as deep as wanted, then apart.
+            let best = separating_axis(&p, &q, &pose, f32::MAX).expect("faces");
+            let apart = distance(&a, &b, &pose, f32::MAX).expect("convex").distance;
+            let best = f32s::max(best.gap, if apart > 0.0 { apart } else { f32::NEG_INFINITY });
+            let tolerance = general::tolerance(&x, &y);
+            let along = |n: Vec3| {
+                let near = pose.transform_point(y.core.support(pose.q.inverse_rotate(-n)));
+                n.dot(near - x.core.support(n))
+            };
+            let mut known = cache;
+            let found = match face(&x, &y, &pose, MARGIN, &mut known, &mut scratch) {
+                Some(m) => Some(m.map(|m| m.normal)),
+                None => edges(&x, &y, &pose, MARGIN, &mut known).map(|e| e.map(|e| e.normal)),
+            };
+            match found {
+                Some(Some(n)) => {
+                    kept += 1;
+                    let lost = best - along(n);
+                    assert!(lost <= 1.1 * tolerance + 1e-5, "{seed}, {step}: {lost} of {best}");
+                }
+                Some(None) => assert!(best > MARGIN - 1e-5, "{seed}, {step}: {best}"),
+                None if best < MARGIN => searched += 1,
+                None => {}
+            }
+            let m = general::convex(&x, &y, &pose, MARGIN, &mut cache, &mut scratch);
+            assert_eq!(m.is_some(), best <= MARGIN, "{seed}, {step}: {best}");
+            let way = if best > -deepest { -0.01 } else { 0.02 };
+            pose.p += pose.p.normalize_or(Vec3::Y) * way + rng.vec(0.01);
+        }
+        (kept, searched)
+    }
+
+    #[test]
+    fn what_is_kept_is_as_good_as_what_is_found() {
+        let (mut kept, mut searched) = (0, 0);
+        for seed in 1..60 {
+            let (k, s) = walk(seed, [0.005, 0.02, 0.3][seed as usize % 3]);
+            (kept, searched) = (kept + k, searched + s);
+        }
+        assert!(kept > searched / 2, "{kept} kept, {searched} searched");
+    }
+
+    #[test]
+    fn room_and_width_of_a_square() {
+        let corner = |x: f32, z: f32| Corner { p: Vec3::new(x, 0.0, z), before: 0, after: 0 };
+        // Counter-clockwise from above.
+        let square = [corner(0.0, 0.0), corner(0.0, 1.0), corner(2.0, 1.0), corner(2.0, 0.0)];
+        assert_eq!(inside(&square, Vec3::new(1.5, 0.3, 0.25), Vec3::Y), 0.25);
+        assert_eq!(inside(&square, Vec3::new(2.5, 0.3, 0.25), Vec3::Y), -0.5);
+        assert_eq!(width(&square, Vec3::Y), 1.0);
+        assert_eq!(width(&square[..2], Vec3::Y), 0.0);
+    }
+
+    /// A ball's worth of room, a disc's, or none: the bounds of the head of this file at their borders.
+    #[test]
+    fn bounds_hold_at_their_borders() {
+        let deep = |depth: f32, across: f32| Deep {
+            depth,
+            tolerance: 0.01,
+            normal: Vec3::Y,
+            offset: Vec3::new(across, 1.0, 0.0),
+        };
+        let none = || [(f32::NEG_INFINITY, 0.0); 2];
+        assert!(deep(-0.1, 9.0).is_best(0.0, -0.1, none));
+        assert!(deep(0.004, 9.0).is_best(0.0, 0.004, none));
+        assert!(!deep(0.1, 0.0).is_best(1.0, 0.1, none));
+        assert!(deep(0.1, 0.0).is_best(1.0, 0.1, || [(0.1, 0.0901); 2]));
+        assert!(!deep(0.1, 0.0).is_best(1.0, 0.1, || [(0.1, 0.0899); 2]));
+        assert!(deep(0.1, 0.9).is_best(1.0, 0.1, || [(0.1, 0.0901); 2]));
+        assert!(!deep(0.1, 0.92).is_best(1.0, 0.1, || [(0.1, 0.0901); 2]));
+        assert!(!deep(0.1, 0.0).is_best(1.0, 0.08, || [(0.1, 0.2); 2]), "no point on the normal");
+    }
+}

@@ -17,7 +17,8 @@ use std::sync::atomic::Ordering;
 pub(super) const CHUNK: usize = 64;
 /// Pairs from the one that is looked at to the one that is asked for.
 const AHEAD: usize = 4;
-/// The same for pairs that are tested.
+/// The same in the pass over all pairs, and in that over those that are tested.
+const HEADS_AHEAD: usize = 8;
 const TESTS_AHEAD: usize = 2;
 /// sin²(θ/2) of the largest turn of a body over which a manifold is recycled (10°).
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
@@ -32,31 +33,29 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     shared.tasks.for_each_chunk2(columns, CHUNK, |first, chunk, heads| {
         let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
         let mut news = 0;
-        // What hardly moved is done with at once; tests wait, so that their shapes are asked for ahead.
-        let mut tests = [0_u8; CHUNK];
-        let mut count = 0;
-        for i in 0..chunk.len() {
-            call_head(shared, heads, i + 2 * AHEAD);
-            call(shared, chunk, heads, i + AHEAD);
+        // Three passes, each of which asks ahead for what its own pairs read: most pairs stay apart, most others hardly moved.
+        let near = Picked::among(chunk.len(), |i| {
+            call_head(shared, heads, i + HEADS_AHEAD);
+            !stays_apart(shared, &heads[i])
+        });
+        let mut tests = Picked::NONE;
+        for k in 0..near.count + AHEAD {
+            if let Some(i) = near.get(k) {
+                call(shared, &chunk[i], &heads[i]);
+            }
+            let Some(i) = k.checked_sub(AHEAD).and_then(|k| near.get(k)) else { continue };
             let (c, h) = (&mut chunk[i], &mut heads[i]);
-            if stays_apart(shared, h) {
-                continue;
+            match look(shared, c) {
+                Some(room) => news |= u64::from(finish(shared, c, h, room)) << i,
+                None => tests.push(i),
             }
-            let Some(room) = look(shared, c) else {
-                tests[count] = i as u8;
-                count += 1;
-                continue;
-            };
-            news |= u64::from(finish(shared, c, h, room)) << i;
         }
-        let tests = &tests[..count];
-        for (k, &i) in tests.iter().enumerate() {
-            if let Some(&next) = tests.get(k + TESTS_AHEAD) {
-                let c = &chunk[usize::from(next)];
-                shared.shapes.call(c.shape_a);
-                shared.shapes.call(c.shape_b);
+        for k in 0..tests.count + TESTS_AHEAD {
+            if let Some(i) = tests.get(k) {
+                shared.shapes.call(chunk[i].shape_a);
+                shared.shapes.call(chunk[i].shape_b);
             }
-            let i = usize::from(i);
+            let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) else { continue };
             let (c, h) = (&mut chunk[i], &mut heads[i]);
             test(shared, c, &mut set, step.dt);
             let room = c.spare;
@@ -67,6 +66,32 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     (world.contacts, world.heads) = (contacts, heads);
 }
 
+/// Some of the pairs of a unit, in order.
+struct Picked {
+    items: [u8; CHUNK],
+    count: usize,
+}
+
+impl Picked {
+    const NONE: Self = Self { items: [0; CHUNK], count: 0 };
+    fn among(n: usize, mut pick: impl FnMut(usize) -> bool) -> Self {
+        let mut out = Self::NONE;
+        // Written whether picked or not: no jump that cannot be foreseen.
+        for i in 0..n.min(CHUNK) {
+            out.items[out.count] = i as u8;
+            out.count += usize::from(pick(i));
+        }
+        out
+    }
+    fn push(&mut self, i: usize) {
+        self.items[self.count] = i as u8;
+        self.count += 1;
+    }
+    fn get(&self, k: usize) -> Option<usize> {
+        self.items[..self.count].get(k).map(|&i| usize::from(i))
+    }
+}
+
 /// Asks for what says whether a pair stays apart.
 fn call_head(world: &World, heads: &[PairHead], i: usize) {
     let Some(h) = heads.get(i) else { return };
@@ -75,11 +100,7 @@ fn call_head(world: &World, heads: &[PairHead], i: usize) {
 }
 
 /// Asks for what the look at a pair will read.
-fn call(world: &World, contacts: &[Contact], heads: &[PairHead], i: usize) {
-    let (Some(c), Some(h)) = (contacts.get(i), heads.get(i)) else { return };
-    if stays_apart(world, h) {
-        return;
-    }
+fn call(world: &World, c: &Contact, h: &PairHead) {
     h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
     if h.touching {
         prefetch(c);
