@@ -249,8 +249,6 @@ pub(crate) struct Contact {
     pub share: f32,
     /// Approach speed at which the two met, for hit events, m/s.
     pub hit_speed: f32,
-    /// min(slop, 5 % of the thinner shape).
-    pub slop: f32,
     /// More manifolds than the first, for meshes and compounds.
     pub rest: Vec<ContactManifold>,
     /// Positions in the two bodies' contact lists (NONE for a fixed body).
@@ -260,6 +258,8 @@ pub(crate) struct Contact {
     /// Largest distance from B's origin that matters for turning.
     pub extent_b: f32,
     pub recycle_tolerance: f32,
+    /// min(slop, 5 % of the thinner shape).
+    pub slop: f32,
     /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
     pub tested_pose: Pose,
     /// Rotations of the two bodies then.
@@ -267,9 +267,6 @@ pub(crate) struct Contact {
     pub manifold: ContactManifold,
     pub cache: PairCache,
 }
-
-// Eight lines of memory: what goes through all contacts is bound by them.
-const _: () = assert!(size_of::<usize>() != 8 || size_of::<Contact>() == 512);
 
 impl Contact {
     pub fn manifold_count(&self) -> usize {
