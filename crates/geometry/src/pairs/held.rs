@@ -287,7 +287,7 @@ mod tests {
     fn walk(seed: u32, deepest: f32) -> (usize, usize) {
         let mut rng = Random(seed);
         let cube = Shape::Box { half: Vec3::new(0.6, 0.4, 0.8) };
-        let (a, b) = (rng.hull(), if seed % 3 == 0 { cube } else { rng.hull() });
+        let (a, b) = (rng.hull(), if seed.is_multiple_of(3) { cube } else { rng.hull() });
         let (x, y) = (Convex::of(&a).expect("convex"), Convex::of(&b).expect("convex"));
         let (p, q) = (x.poly().expect("flat faces"), y.poly().expect("flat faces"));
         let mut scratch = Scratch::default();
