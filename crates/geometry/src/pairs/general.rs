@@ -182,10 +182,8 @@ pub(crate) fn contact(
     };
     for from_b in [b_first, !b_first] {
         let m = match (from_b, face_a, face_b) {
-            (false, Some((f, _)), _) if sa >= floor => {
-                face_contact(a, &f, b, pose, margin, cache, scratch)
-                    .map(|m| (m, face_kind(KIND_FACE_A, f.index)))
-            }
+            (false, Some((f, _)), _) if sa >= floor => face_contact(a, &f, b, pose, margin, cache, scratch)
+                .map(|m| (m, face_kind(KIND_FACE_A, f.index))),
             (true, _, Some((f, _))) if sb >= floor => {
                 let inverse = pose.inverse();
                 face_contact(b, &f, a, &inverse, margin, cache, scratch)

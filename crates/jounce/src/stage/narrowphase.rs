@@ -157,9 +157,8 @@ fn finish(world: &World, c: &mut Contact, h: &mut PairHead, room: f32) -> bool {
         }
         c.now_touching = c.manifold.count > 0;
         let limit = -crowd::DEEP_SLOPS * c.slop;
-        let deep = |m: &ContactManifold| {
-            m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit)
-        };
+        let deep =
+            |m: &ContactManifold| m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit);
         let deep = c.manifolds().any(deep);
         c.deep = deep;
         // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
