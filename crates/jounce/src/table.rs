@@ -56,6 +56,12 @@ impl<T> Table<T> {
     pub fn get_mut(&mut self, index: u32) -> Option<&mut T> {
         self.entries.get_mut(index as usize).and_then(|e| e.value.as_mut())
     }
+    /// Asks for the memory of a slot that will be read soon.
+    pub fn call(&self, index: u32) {
+        if let Some(e) = self.entries.get(index as usize) {
+            jounce_lanes::prefetch(e);
+        }
+    }
     /// Slots that were ever used.
     pub fn slots(&self) -> u32 {
         self.entries.len() as u32

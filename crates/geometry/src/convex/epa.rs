@@ -124,7 +124,17 @@ impl Difference<'_> {
     /// Penetration of overlapping cores, from the simplex that GJK ended with. `None` where the difference is
     /// flat (two flat or thin cores that touch).
     pub fn epa(&self, simplex: &Simplex) -> Option<Penetration> {
-        let mut p = self.tetrahedron(simplex)?;
+        let start = self.tetrahedron(simplex)?;
+        let mut p = Polytope {
+            vertices: [Vertex::default(); VERTICES_MAX],
+            vertex_count: 4,
+            faces: [Face::default(); FACES_MAX],
+            face_count: 0,
+        };
+        p.vertices[..4].copy_from_slice(&start);
+        for [i, j, k] in [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] {
+            p.push(p.face(i, j, k));
+        }
         let size =
             p.vertices[..4].iter().fold(0.0f64, |m, v| if v.w.length() > m { v.w.length() } else { m });
         let tolerance = size * 1e-5;
@@ -158,15 +168,13 @@ impl Difference<'_> {
     }
 
     /// Four support points that enclose the origin or lie beside it, starting from a simplex of any size.
-    fn tetrahedron(&self, simplex: &Simplex) -> Option<Polytope> {
+    fn tetrahedron(&self, simplex: &Simplex) -> Option<[Vertex; 4]> {
         let mut v = [Vertex::default(); 4];
         let mut n = simplex.count.min(4);
         v[..n].copy_from_slice(&simplex.vertices[..n]);
         let axes = [Vec3::X, -Vec3::X, Vec3::Y, -Vec3::Y, Vec3::Z, -Vec3::Z];
-        let size = axes.iter().fold(0.0f64, |m, &d| {
-            let l = self.support(d).w.length();
-            if l > m { l } else { m }
-        });
+        // The difference holds the origin or nearly, so nothing of it is farther away than twice this.
+        let size = f64::from(self.a.reach() + self.b.reach());
         let tiny = size * 1e-6;
         if n == 4 && volume(&v).abs() <= tiny * size * size {
             n = 3;
@@ -207,17 +215,7 @@ impl Difference<'_> {
         if volume(&v) > 0.0 {
             v.swap(1, 2);
         }
-        let mut p = Polytope {
-            vertices: [Vertex::default(); VERTICES_MAX],
-            vertex_count: 4,
-            faces: [Face::default(); FACES_MAX],
-            face_count: 0,
-        };
-        p.vertices[..4].copy_from_slice(&v);
-        for [i, j, k] in [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]] {
-            p.push(p.face(i, j, k));
-        }
-        Some(p)
+        Some(v)
     }
 }
 

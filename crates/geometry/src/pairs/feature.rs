@@ -58,11 +58,13 @@ pub(crate) struct FlatFace {
 
 impl<'a> Convex<'a> {
     /// `None` for a shape that is not convex.
+    #[inline]
     pub fn of(shape: &'a Shape) -> Option<Self> {
         let (core, radius) = Core::of(shape)?;
         Some(Self::of_core(core, radius))
     }
     /// From a core and a radius.
+    #[inline]
     pub fn of_core(core: Core<'a>, radius: f32) -> Self {
         let flat = match core {
             Core::Box(h) => Flat::Box(BoxPoly::new(h)),
@@ -79,6 +81,7 @@ impl<'a> Convex<'a> {
         Self { core: Core::Triangle(t.vertices), radius: 0.0, flat: Flat::Triangle(t) }
     }
     /// The polyhedron, where it is one.
+    #[inline]
     pub fn poly(&self) -> Option<Poly<'_>> {
         match &self.flat {
             Flat::None => None,

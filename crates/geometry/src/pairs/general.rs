@@ -1,14 +1,17 @@
 //! Any two convex shapes.
 //!
-//! 1. The axis: GJK while the cores are apart; when they overlap, separating axes for polyhedra and segments and EPA
+//! 1. What polyhedra touched with last time, where it holds ([`super::held`]).
+//! 2. The axis: GJK while the cores are apart; when they overlap, separating axes for polyhedra and segments and EPA
 //!    for the rest.
-//! 2. The contact: if a flat face of either shape separates almost as well as the axis, its normal is taken and what
+//! 3. The contact: if a flat face of either shape separates almost as well as the axis, its normal is taken and what
 //!    the other shape shows (a face, an edge, a point) is clipped against its sides. Two parallel edges give two
 //!    points. All else gives the pair of witness points.
 
 use super::capsule;
 use super::feature::{Convex, Corner, FlatFace, REFERENCE_LINE};
+use super::held::{self, KIND, face_kind};
 use super::hull_hull::{Axis, separating_axis};
+use super::poly::Poly;
 use super::reduce::reduce;
 use crate::convex::core::Core;
 use crate::convex::epa::Penetration;
@@ -19,7 +22,7 @@ use jounce_math::{Pose, Vec3, scalar::f32s};
 /// Polygons in work.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
-    reference: Vec<Corner>,
+    pub reference: Vec<Corner>,
     pub incident: Vec<Corner>,
     /// Face of B that was shown last, and its corners in A's frame.
     shown: Option<u32>,
@@ -32,8 +35,15 @@ pub(crate) struct Scratch {
 const EDGE_PAIRS_MAX: usize = 500;
 
 pub(crate) const KIND_FACE_A: u32 = 1;
-const KIND_FACE_B: u32 = 2;
+pub(crate) const KIND_FACE_B: u32 = 2;
 const KIND_POINT: u32 = 3;
+/// Two edges of polyhedra.
+pub(crate) const KIND_EDGES: u32 = 4;
+
+/// Few enough for trying all pairs of edges.
+pub(crate) fn few_edges(a: &Poly, b: &Poly) -> bool {
+    a.edges.len() * b.edges.len() <= EDGE_PAIRS_MAX
+}
 
 /// Contact of convex A and B.
 pub(crate) fn convex(
@@ -44,8 +54,18 @@ pub(crate) fn convex(
     cache: &mut PairCache,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    let axis = axis(a, b, pose, margin, cache)?;
-    contact(a, b, pose, margin, &axis, cache, scratch)
+    if let Some(known) = held::face(a, b, pose, margin, cache, scratch) {
+        return known;
+    }
+    let axis = match held::edges(a, b, pose, margin, cache) {
+        Some(known) => known?,
+        None => axis(a, b, pose, margin, cache)?,
+    };
+    let m = contact(a, b, pose, margin, &axis, cache, scratch);
+    if cache.kind == KIND_POINT {
+        held::remember_edges(a, b, pose, &axis, cache);
+    }
+    m
 }
 
 /// The axis of the largest gap, `None` when the shapes are farther apart than `margin`.
@@ -55,7 +75,7 @@ pub(crate) fn axis(a: &Convex, b: &Convex, pose: &Pose, margin: f32, cache: &mut
     // Polyhedra that touched last time most likely overlap now, and then GJK tells nothing.
     if cache.kind != 0
         && let (Some(p), Some(q)) = (a.poly(), b.poly())
-        && p.edges.len() * q.edges.len() <= EDGE_PAIRS_MAX
+        && few_edges(&p, &q)
     {
         let x = separating_axis(&p, &q, pose, reach)?;
         if x.gap <= 0.0 || x.gap > reach {
@@ -100,9 +120,7 @@ fn overlapping(
 ) -> Option<Axis> {
     let epa = || w.epa(simplex?).map(Axis::from);
     match (a.poly(), b.poly(), b.core) {
-        (Some(p), Some(q), _) if p.edges.len() * q.edges.len() <= EDGE_PAIRS_MAX => {
-            separating_axis(&p, &q, &w.pose, reach)
-        }
+        (Some(p), Some(q), _) if few_edges(&p, &q) => separating_axis(&p, &q, &w.pose, reach),
         (Some(p), Some(q), _) => epa().or_else(|| separating_axis(&p, &q, &w.pose, reach)),
         (Some(p), _, Core::Segment(h)) => capsule::segment_axis(&p, capsule::ends(h, &w.pose)),
         (Some(p), _, Core::Point) => {
@@ -128,7 +146,7 @@ impl From<Penetration> for Axis {
 }
 
 /// How much worse than the axis a face may separate and still be taken, metres.
-fn tolerance(a: &Convex, b: &Convex) -> f32 {
+pub(crate) fn tolerance(a: &Convex, b: &Convex) -> f32 {
     f32s::min(1e-3 * f32s::min(a.thickness(), b.thickness()), 5e-4)
 }
 
@@ -153,7 +171,7 @@ pub(crate) fn contact(
         let q = pose.inverse_transform_point(a.core.support(-pose.q.rotate(f.normal)));
         (f, f.normal.dot(q) - f.offset)
     });
-    let bonus = |kind| if cache.kind == kind { tolerance } else { 0.0 };
+    let bonus = |kind| if cache.kind & KIND == kind { tolerance } else { 0.0 };
     let floor = axis.gap - tolerance;
     let score = |f: &Option<(FlatFace, f32)>, kind| f.map_or(f32::NEG_INFINITY, |f| f.1) + bonus(kind);
     let (sa, sb) = (score(&face_a, KIND_FACE_A), score(&face_b, KIND_FACE_B));
@@ -164,13 +182,12 @@ pub(crate) fn contact(
     };
     for from_b in [b_first, !b_first] {
         let m = match (from_b, face_a, face_b) {
-            (false, Some((f, _)), _) if sa >= floor => {
-                face_contact(a, &f, b, pose, margin, cache, scratch).map(|m| (m, KIND_FACE_A))
-            }
+            (false, Some((f, _)), _) if sa >= floor => face_contact(a, &f, b, pose, margin, cache, scratch)
+                .map(|m| (m, face_kind(KIND_FACE_A, f.index))),
             (true, _, Some((f, _))) if sb >= floor => {
                 let inverse = pose.inverse();
                 face_contact(b, &f, a, &inverse, margin, cache, scratch)
-                    .map(|m| (m.flipped(&inverse), KIND_FACE_B))
+                    .map(|m| (m.flipped(&inverse), face_kind(KIND_FACE_B, f.index)))
             }
             _ => None,
         };
@@ -207,13 +224,26 @@ pub(crate) fn face_contact(
     cache: &mut PairCache,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
+    let shown = clip_to_face(a, face, b, pose, scratch);
+    gather(face, shown, (a.radius, b.radius), margin, cache, scratch)
+}
+
+/// Leaves flat face `face` of A, and in its bounds what B shows to it, in `scratch`. Gives the number of what B shows.
+pub(crate) fn clip_to_face(
+    a: &Convex,
+    face: &FlatFace,
+    b: &Convex,
+    pose: &Pose,
+    scratch: &mut Scratch,
+) -> u32 {
     let n = face.normal;
     a.feature(n, &mut scratch.reference);
     let shown = b.feature(pose.q.inverse_rotate(-n), &mut scratch.incident);
     for c in &mut scratch.incident {
         c.p = pose.transform_point(c.p);
     }
-    clipped(face, shown, (a.radius, b.radius), margin, cache, scratch)
+    clip(n, scratch);
+    shown
 }
 
 /// The same on the triangle of unit normal `n` of a surface. Since [`Scratch::forget`], `b` and `pose` must not have changed.
@@ -242,7 +272,8 @@ pub(crate) fn triangle_contact(
         shown
     };
     let face = FlatFace { normal: n, offset: n.dot(corners[0]), index: 0 };
-    clipped(&face, shown, (0.0, b.radius), margin, &mut PairCache::default(), scratch)
+    clip(n, scratch);
+    gather(&face, shown, (0.0, b.radius), margin, &mut PairCache::default(), scratch)
 }
 
 impl Scratch {
@@ -252,8 +283,18 @@ impl Scratch {
     }
 }
 
-/// Contact of the incident polygon with the reference polygon on `face`.
-fn clipped(
+/// Cuts the incident polygon off at the sides of the reference polygon.
+fn clip(n: Vec3, scratch: &mut Scratch) {
+    let Scratch { reference, incident, other, .. } = scratch;
+    match incident.len() {
+        0 => {}
+        1 | 2 => clip_segment(incident, reference, n),
+        _ => clip_polygon(incident, other, reference, n),
+    }
+}
+
+/// Contact of the clipped polygon with the reference polygon on `face`.
+pub(crate) fn gather(
     face: &FlatFace,
     shown: u32,
     (ra, rb): (f32, f32),
@@ -261,13 +302,8 @@ fn clipped(
     cache: &mut PairCache,
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
-    let Scratch { reference, incident, other, points, .. } = scratch;
+    let Scratch { incident, points, .. } = scratch;
     let n = face.normal;
-    match incident.len() {
-        0 => return None,
-        1 | 2 => clip_segment(incident, reference, n),
-        _ => clip_polygon(incident, other, reference, n),
-    }
     points.clear();
     let tag = (face.index.wrapping_mul(0x2F) ^ shown.wrapping_mul(0x1D) << 3) & 0xFFF;
     for c in incident.iter() {

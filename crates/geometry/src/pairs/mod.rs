@@ -8,6 +8,7 @@ mod compound;
 mod feature;
 mod general;
 mod half_space;
+mod held;
 mod hull_hull;
 mod mesh;
 mod near;

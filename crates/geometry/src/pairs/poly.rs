@@ -31,6 +31,7 @@ impl<'a> Poly<'a> {
         &self.faces[..self.real]
     }
     /// The face whose normal is nearest to `n`.
+    #[inline]
     pub fn face_along(&self, n: Vec3) -> usize {
         if let Some(normals) = self.normals {
             return normals.farthest(n);
@@ -45,6 +46,7 @@ impl<'a> Poly<'a> {
         at
     }
     /// A vertex farthest along `d`.
+    #[inline]
     pub fn support(&self, d: Vec3) -> usize {
         if let Some(corners) = self.corners {
             return corners.farthest(d);

@@ -36,14 +36,13 @@ impl Corners {
                 at[i] = if farther { k } else { at[i] };
             }
         }
-        let place = |i: usize| at[i] as usize * WIDE + i;
-        let mut best = 0;
-        for i in 1..WIDE {
-            if far[i] > far[best] || (far[i] == far[best] && place(i) < place(best)) {
-                best = i;
-            }
-        }
-        place(best)
+        let one = |i: usize| (far[i], at[i] as usize * WIDE + i);
+        // Selects, no jumps: which lane wins cannot be foreseen.
+        let farther = |x: (f32, usize), y: (f32, usize)| {
+            let second = (y.0 > x.0) | ((y.0 == x.0) & (y.1 < x.1));
+            (if second { y.0 } else { x.0 }, if second { y.1 } else { x.1 })
+        };
+        farther(farther(one(0), one(1)), farther(one(2), one(3))).1
     }
 
     /// The box around all corners, turned by `m`.

@@ -5,7 +5,7 @@ use crate::hooks::{ContactView, PairView};
 use crate::room::contacts::crowd;
 use crate::room::contacts::desc::{Combine, Material};
 use crate::room::contacts::state::{Anchor, Contact, ContactManifold, PairHead, Point, ShapeRecord, Surface};
-use crate::room::rigid::state::NONE;
+use crate::room::rigid::state::{BodyFrame, NONE};
 use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide_again};
 use jounce_lanes::prefetch;
@@ -17,6 +17,9 @@ use std::sync::atomic::Ordering;
 pub(super) const CHUNK: usize = 64;
 /// Pairs from the one that is looked at to the one that is asked for.
 const AHEAD: usize = 4;
+/// The same in the pass over all pairs, and in that over those that are tested.
+const HEADS_AHEAD: usize = 8;
+const TESTS_AHEAD: usize = 2;
 /// sin²(θ/2) of the largest turn of a body over which a manifold is recycled (10°).
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 
@@ -30,35 +33,89 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     shared.tasks.for_each_chunk2(columns, CHUNK, |first, chunk, heads| {
         let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
         let mut news = 0;
-        for i in 0..chunk.len() {
-            call(shared, chunk, heads, i + AHEAD);
-            let (c, h) = (&mut chunk[i], &mut heads[i]);
-            let [a, b] = h.bodies.map(|b| shared.travel[b as usize]);
-            if a + b < h.until && shared.fat[h.shapes[0] as usize].overlaps(&shared.fat[h.shapes[1] as usize])
-            {
-                continue;
+        // Three passes, each of which asks ahead for what its own pairs read: most pairs stay apart, most others hardly moved.
+        let near = Picked::among(chunk.len(), |i| {
+            call_head(shared, heads, i + HEADS_AHEAD);
+            !stays_apart(shared, &heads[i])
+        });
+        let mut tests = Picked::NONE;
+        for k in 0..near.count + AHEAD {
+            if let Some(i) = near.get(k) {
+                call(shared, &chunk[i], &heads[i]);
             }
-            let room = update(shared, c, &mut set, step.dt);
-            h.until = if room > 0.0 { a + b + f64::from(room) * 0.9999 } else { f64::NEG_INFINITY };
-            news |= u64::from(c.apart || c.now_touching != c.touching) << i;
+            let Some(i) = k.checked_sub(AHEAD).and_then(|k| near.get(k)) else { continue };
+            let (c, h) = (&mut chunk[i], &mut heads[i]);
+            match look(shared, c, step.dt) {
+                Some(room) => news |= u64::from(finish(shared, c, h, room)) << i,
+                None => tests.push(i),
+            }
+        }
+        for k in 0..tests.count + TESTS_AHEAD {
+            if let Some(i) = tests.get(k) {
+                shared.shapes.call(chunk[i].shape_a);
+                shared.shapes.call(chunk[i].shape_b);
+            }
+            let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) else { continue };
+            let (c, h) = (&mut chunk[i], &mut heads[i]);
+            test(shared, c, &mut set, step.dt);
+            // How far ahead a bouncing pair looks changes from step to step.
+            let room = if c.bouncy { 0.0 } else { c.spare };
+            news |= u64::from(finish(shared, c, h, room)) << i;
         }
         shared.scratch.news.0[first / CHUNK].store(news, Ordering::Relaxed);
     });
     (world.contacts, world.heads) = (contacts, heads);
 }
 
-/// Asks for what the look at a pair will read.
-fn call(world: &World, contacts: &[Contact], heads: &[PairHead], i: usize) {
-    let (Some(c), Some(h)) = (contacts.get(i), heads.get(i)) else { return };
-    h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
-    prefetch(&c.id);
-    prefetch(&c.edge);
-    prefetch(&c.tested_rotations);
-    if h.touching {
-        prefetch(&c.manifold);
-        prefetch(&c.manifold.points[1]);
-        prefetch(&c.manifold.points[3]);
+/// Some of the pairs of a unit, in order.
+struct Picked {
+    items: [u8; CHUNK],
+    count: usize,
+}
+
+impl Picked {
+    const NONE: Self = Self { items: [0; CHUNK], count: 0 };
+    fn among(n: usize, mut pick: impl FnMut(usize) -> bool) -> Self {
+        let mut out = Self::NONE;
+        // Written whether picked or not: no jump that cannot be foreseen.
+        for i in 0..n.min(CHUNK) {
+            out.items[out.count] = i as u8;
+            out.count += usize::from(pick(i));
+        }
+        out
     }
+    fn push(&mut self, i: usize) {
+        self.items[self.count] = i as u8;
+        self.count += 1;
+    }
+    fn get(&self, k: usize) -> Option<usize> {
+        self.items[..self.count].get(k).map(|&i| usize::from(i))
+    }
+}
+
+/// Asks for what says whether a pair stays apart.
+fn call_head(world: &World, heads: &[PairHead], i: usize) {
+    let Some(h) = heads.get(i) else { return };
+    h.bodies.iter().for_each(|&b| prefetch(&world.travel[b as usize]));
+    h.shapes.iter().for_each(|&s| prefetch(&world.fat[s as usize]));
+}
+
+/// Asks for what the look at a pair will read.
+fn call(world: &World, c: &Contact, h: &PairHead) {
+    h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
+    if h.touching {
+        prefetch(c);
+    } else {
+        prefetch(&c.id);
+        prefetch(&c.edge);
+        prefetch(&c.tested_rotations);
+    }
+}
+
+/// Has the pair not come together as far as it was apart?
+fn stays_apart(world: &World, h: &PairHead) -> bool {
+    let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
+    a + b < h.until && world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
 }
 
 /// Two points nearer than a centimetre (squared) may be one.
@@ -71,30 +128,54 @@ pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
     Pose::new(fa.rotation.inverse_rotate(d), fa.rotation.inverse_mul(fb.rotation))
 }
 
-/// Gives how far the two may still come together before they need to be looked at, m; 0 where they are near.
-fn update(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) -> f32 {
+/// Gives how far the two may still come together before they need to be looked at, m (0 where they are near), or `None`
+/// where they are to be tested in the pose that is noted.
+fn look(world: &World, c: &mut Contact, dt: f32) -> Option<f32> {
     c.apart = !bounds_meet(world, c);
     if c.apart {
-        c.now_touching = false;
-        return 0.0;
+        return Some(0.0);
     }
     let pose = relative_pose(world, c);
     let mut room = 0.0;
-    if !recycle(world, c, &pose, &mut room, dt) {
-        test(world, c, &pose, set, dt);
-        room = if c.bouncy { 0.0 } else { c.spare };
+    if recycle(world, c, &pose, &mut room, dt) {
+        return Some(room);
     }
-    if let Some((_, hook)) = &world.hooks.contact {
-        ask_hook(world, c, hook.as_ref());
+    let rotation = |b: u32| world.frames[b as usize].rotation;
+    c.tested = true;
+    c.tested_pose = pose;
+    c.tested_rotations = [rotation(c.body_a), rotation(c.body_b)];
+    None
+}
+
+/// Concludes the look at a pair; gives whether something changed that others must know.
+fn finish(world: &World, c: &mut Contact, h: &mut PairHead, room: f32) -> bool {
+    let mut room = room;
+    if c.apart {
+        c.now_touching = false;
+    } else {
+        if let Some((_, hook)) = &world.hooks.contact {
+            ask_hook(world, c, hook.as_ref());
+        }
+        c.now_touching = c.manifold.count > 0;
+        let limit = -crowd::DEEP_SLOPS * c.slop;
+        let deep =
+            |m: &ContactManifold| m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit);
+        let deep = c.manifolds().any(deep);
+        c.deep = deep;
+        // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
+        let keeps =
+            world.settings.recycle_contacts && world.hooks.contact.is_none() && c.planes == [false; 2];
+        if !keeps || c.now_touching {
+            room = 0.0;
+        }
     }
-    c.now_touching = c.manifold.count > 0;
-    let limit = -crowd::DEEP_SLOPS * c.slop;
-    let points = |m: &ContactManifold| m.points.into_iter().take(usize::from(m.count));
-    let deep = c.manifolds().flat_map(points).any(|p| p.separation < limit);
-    c.deep = deep;
-    // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
-    let keeps = world.settings.recycle_contacts && world.hooks.contact.is_none() && c.planes == [false; 2];
-    if keeps && c.manifold.count == 0 { room } else { 0.0 }
+    h.until = if room > 0.0 {
+        let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
+        a + b + f64::from(room) * 0.9999
+    } else {
+        f64::NEG_INFINITY
+    };
+    c.apart || c.now_touching != c.touching
 }
 
 fn bounds_meet(world: &World, c: &Contact) -> bool {
@@ -183,7 +264,9 @@ fn direction(body: u32) -> Vec3 {
     Vec3::new(r * f32s::cos(turn), r * f32s::sin(turn), z)
 }
 
-fn test(world: &World, c: &mut Contact, pose: &Pose, set: &mut ManifoldSet, dt: f32) {
+/// Tests the pair in its noted pose.
+fn test(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
+    let pose = &{ c.tested_pose };
     let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
     let in_a = Pose::new(ra.pose.p - fa.local_center, ra.pose.q);
@@ -201,52 +284,49 @@ fn test(world: &World, c: &mut Contact, pose: &Pose, set: &mut ManifoldSet, dt: 
     collide_again(&ra.shape, &rb.shape, &b_in_a, margin, &mut c.cache, &mut c.near, set);
     c.spare = f32s::max(c.cache.gap - margin, 0.0);
     (c.margin, c.bouncy) = (margin, bouncy);
-    c.tested = true;
-    c.tested_pose = *pose;
-    c.tested_rotations = [fa.rotation, fb.rotation];
+    if set.manifolds.is_empty() && c.manifold.count == 0 {
+        return;
+    }
     let offset = (fb.center - fa.center).as_vec3();
     let old_first = c.manifold;
     // The old ones stay in front until the new ones stand behind them: the list's memory is kept.
-    let kept = c.rest.len();
+    let mut rest = core::mem::take(&mut c.rest);
+    let kept = rest.len();
     let old_count = if old_first.count == 0 { 0 } else { 1 + kept };
-    c.manifold = ContactManifold::default();
+    c.manifold = ContactManifold::NOTHING;
     for (i, m) in set.manifolds.iter().enumerate() {
-        let mut new = place(m, &in_a, pose, fa.rotation);
+        if i > 0 {
+            rest.push(ContactManifold::NOTHING);
+        }
+        let (old_rest, new_rest) = rest.split_at_mut(kept);
+        let new = if i == 0 { &mut c.manifold } else { &mut new_rest[i - 1] };
+        place(m, &in_a, pose, fa.rotation, new);
         new.offset = offset;
         new.surface = surface(ra, rb, m, fa.rotation, fb.rotation);
-        let old = |i: usize| if i == 0 { &old_first } else { &c.rest[i - 1] };
-        if let Some(o) = (0..old_count).map(old).find(|o| same(o, &new)) {
-            inherit(&mut new, o);
+        let old = |i: usize| if i == 0 { &old_first } else { &old_rest[i - 1] };
+        if let Some(o) = (0..old_count).map(old).find(|o| same(o, new)) {
+            inherit(new, o);
         } else {
-            new.stick = starts_stuck(world, c, &new);
-        }
-        if i == 0 {
-            c.manifold = new;
-        } else {
-            c.rest.push(new);
+            new.stick = starts_stuck(world, [fa, fb], new);
         }
     }
-    c.rest.drain(..kept);
+    rest.drain(..kept);
+    c.rest = rest;
 }
 
-/// A manifold from the shapes' frames to the bodies'.
-fn place(m: &Manifold, in_a: &Pose, pose: &Pose, rotation: Quat) -> ContactManifold {
+/// A manifold from the shapes' frames to the bodies', into an empty one.
+fn place(m: &Manifold, in_a: &Pose, pose: &Pose, rotation: Quat, out: &mut ContactManifold) {
     let normal = in_a.q.rotate(m.normal);
-    let mut out = ContactManifold {
-        normal: rotation.rotate(normal),
-        count: m.count.min(4),
-        faces: m.faces,
-        sub_a: m.sub_a,
-        sub_b: m.sub_b,
-        ..ContactManifold::default()
-    };
+    out.normal = rotation.rotate(normal);
+    out.count = m.count.min(4);
+    out.faces = m.faces;
+    (out.sub_a, out.sub_b) = (m.sub_a, m.sub_b);
     for ((p, at), q) in out.points.iter_mut().zip(&mut out.anchors).zip(m.points()) {
         let mid = in_a.transform_point(q.point);
         let half = normal * (0.5 * q.separation);
         *p = Point { arm: rotation.rotate(mid), separation: q.separation, impulse: 0.0 };
         *at = Anchor { on_a: mid - half, on_b: pose.inverse_transform_point(mid + half), feature: q.feature };
     }
-    out
 }
 
 /// Is this the same manifold as last step? Parts must match, and the normal may have turned by less than 30°.
@@ -277,8 +357,7 @@ fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
     new.fresh = false;
 }
 
-fn starts_stuck(world: &World, c: &Contact, m: &ContactManifold) -> bool {
-    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+fn starts_stuck(world: &World, [fa, fb]: [&BodyFrame; 2], m: &ContactManifold) -> bool {
     let speed = |row: u32, r: Vec3| {
         world.awake.state.get(row as usize).map_or(Vec3::ZERO, |s| s.v() + s.w().cross(r))
     };
