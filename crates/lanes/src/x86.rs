@@ -453,6 +453,17 @@ impl Lanes for F32x8 {
         unsafe { transpose8(rows) }
     }
     #[inline(always)]
+    fn gather8_of(row: impl Fn(usize) -> [f32; 8]) -> [Self; 8] {
+        let mut rows = [Self::zero(); 8];
+        for i in 0..8 {
+            let [a, b, c, d, e, f, g, h] = row(i);
+            // SAFETY: the machine has the instructions (see the header).
+            rows[i] = whole(unsafe { _mm256_setr_ps(a, b, c, d, e, f, g, h) });
+        }
+        // SAFETY: likewise.
+        unsafe { transpose8(rows) }
+    }
+    #[inline(always)]
     fn scatter8(columns: [Self; 8], mut put: impl FnMut(usize, [f32; 8])) {
         // SAFETY: the machine has the instructions (see the header).
         let rows = unsafe { transpose8(columns) };
@@ -519,15 +530,19 @@ impl Lanes for F32x16 {
             #[inline(always)]
             |lane| row(lane + 8),
         );
-        let mut out = [Self::zero(); 8];
-        for c in 0..8 {
-            // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
-            out[c] = Self(unsafe {
-                let (low, high) = (_mm512_castps256_ps512(low[c].0), _mm256_castps_pd(high[c].0));
-                _mm512_castpd_ps(_mm512_insertf64x4::<1>(_mm512_castps_pd(low), high))
-            });
-        }
-        out
+        side_by_side(low, high)
+    }
+    #[inline(always)]
+    fn gather8_of(row: impl Fn(usize) -> [f32; 8]) -> [Self; 8] {
+        let low = F32x8::gather8_of(
+            #[inline(always)]
+            |lane| row(lane),
+        );
+        let high = F32x8::gather8_of(
+            #[inline(always)]
+            |lane| row(lane + 8),
+        );
+        side_by_side(low, high)
     }
     #[expect(
         clippy::redundant_closure,
@@ -555,6 +570,27 @@ impl Lanes for F32x16 {
             |lane, row| put(lane + 8, row),
         );
     }
+}
+
+/// A row that is loaded as a whole. Without this the compiler sees through the transposition that follows, and fetches the elements of a column
+/// from eight places by one instruction, which takes several times as long as eight loads.
+#[inline(always)]
+fn whole(row: __m256) -> F32x8 {
+    F32x8(core::hint::black_box(row))
+}
+
+/// Sixteen lanes of twice eight.
+#[inline(always)]
+fn side_by_side(low: [F32x8; 8], high: [F32x8; 8]) -> [F32x16; 8] {
+    let mut out = [F32x16::zero(); 8];
+    for c in 0..8 {
+        // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
+        out[c] = F32x16(unsafe {
+            let (low, high) = (_mm512_castps256_ps512(low[c].0), _mm256_castps_pd(high[c].0));
+            _mm512_castpd_ps(_mm512_insertf64x4::<1>(_mm512_castps_pd(low), high))
+        });
+    }
+    out
 }
 
 #[inline(always)]

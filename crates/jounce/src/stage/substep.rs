@@ -6,7 +6,7 @@ use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
-use crate::room::rigid::pass::{self, Drive, Pushed, Todo, Way};
+use crate::room::rigid::pass::{Drive, Go, Pushed, Todo, Way};
 use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position};
 use crate::room::rigid::state::{BodyState, NONE};
 use crate::world::World;
@@ -100,15 +100,14 @@ impl Bodies {
             let rows = first..first + states.len();
             let (drives, ways) = (&drives[rows.clone()], &ways[rows]);
             let (h, speed_most) = (sub.h, sub.limits.speed);
-            dispatch(width, pass::Pass { todo, states, pushed, drives, ways, h, speed_most });
+            todo.change(states, pushed, drives);
             if todo.go {
+                dispatch(width, Go { states, ways, h, speed_most });
                 for (i, s) in states.iter_mut().enumerate().filter(|(i, _)| ways[*i].alone) {
                     integrate_position(s, &steps[first + i], &mut turning[i], bodies, frames, &sub);
                 }
             }
-            if todo.mark {
-                pushed.iter_mut().zip(&*states).for_each(|(p, s)| p.before = s.hot);
-            }
+            todo.keep(states, pushed);
         });
     }
 

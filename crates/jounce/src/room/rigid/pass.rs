@@ -82,53 +82,55 @@ impl Pushed {
     pub const NOTHING: Self = Self { sum: [0.0; 8], before: [0.0; 8] };
 }
 
-/// [`Todo`] of a chunk of bodies, but for those alone and the mark.
-pub(crate) struct Pass<'a> {
-    pub todo: Todo,
+// A row at a time, and not in a kernel: with wide instructions the compiler goes across bodies instead, and gathers.
+impl Todo {
+    /// What comes before the way, for a chunk of bodies.
+    pub fn change(self, states: &mut [BodyState], pushed: &mut [Pushed], drives: &[Drive]) {
+        if self.count {
+            for (p, s) in pushed.iter_mut().zip(&*states) {
+                // The last two are places, which no pass over contacts changes.
+                p.sum = core::array::from_fn(|k| p.sum[k] + (s.hot[k] - p.before[k]));
+            }
+        }
+        if self.drive {
+            for (s, d) in states.iter_mut().zip(drives) {
+                s.hot = core::array::from_fn(|k| (s.hot[k] + d.add[k]) * d.keep[k]);
+            }
+        }
+        if self.push {
+            for (s, p) in states.iter_mut().zip(&*pushed) {
+                s.hot = core::array::from_fn(|k| s.hot[k] + p.sum[k]);
+            }
+        }
+    }
+    /// What comes after it.
+    pub fn keep(self, states: &[BodyState], pushed: &mut [Pushed]) {
+        if self.mark {
+            pushed.iter_mut().zip(states).for_each(|(p, s)| p.before = s.hot);
+        }
+    }
+}
+
+/// The way of a chunk of bodies, but for those alone.
+pub(crate) struct Go<'a> {
     pub states: &'a mut [BodyState],
-    pub pushed: &'a mut [Pushed],
-    pub drives: &'a [Drive],
     pub ways: &'a [Way],
     pub h: f32,
     pub speed_most: f32,
 }
 
-impl Kernel for Pass<'_> {
+impl Kernel for Go<'_> {
     type Output = ();
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        let Self { todo, states, pushed, drives, ways, h, speed_most } = self;
-        if todo.count {
-            for (p, s) in pushed.iter_mut().zip(&*states) {
-                for k in 0..8 {
-                    // The last two are places, which no pass over contacts changes.
-                    p.sum[k] += s.hot[k] - p.before[k];
-                }
+        let Self { states, ways, h, speed_most } = self;
+        let mut at = 0;
+        while at < states.len() {
+            let to = states.len().min(at + L::WIDTH);
+            if ways[at..to].iter().any(|w| !w.alone) {
+                go::<L>(&mut states[at..to], &ways[at..to], h, speed_most);
             }
-        }
-        if todo.drive {
-            for (s, d) in states.iter_mut().zip(drives) {
-                for k in 0..8 {
-                    s.hot[k] = (s.hot[k] + d.add[k]) * d.keep[k];
-                }
-            }
-        }
-        if todo.push {
-            for (s, p) in states.iter_mut().zip(&*pushed) {
-                for k in 0..8 {
-                    s.hot[k] += p.sum[k];
-                }
-            }
-        }
-        if todo.go {
-            let mut at = 0;
-            while at < states.len() {
-                let to = states.len().min(at + L::WIDTH);
-                if ways[at..to].iter().any(|w| !w.alone) {
-                    go::<L>(&mut states[at..to], &ways[at..to], h, speed_most);
-                }
-                at = to;
-            }
+            at = to;
         }
     }
 }
@@ -254,7 +256,6 @@ mod tests {
         }
         for width in Width::ALL {
             let mut states = a.state.clone();
-            let mut pushed = vec![Pushed::NOTHING; states.len()];
             for _ in 0..3 {
                 let todo = Todo { go: true, ..Todo::default() };
                 let (states, pushed) = (&mut states[..], &mut pushed[..]);
