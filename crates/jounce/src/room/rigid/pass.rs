@@ -257,11 +257,8 @@ mod tests {
         for width in Width::ALL {
             let mut states = a.state.clone();
             for _ in 0..3 {
-                let todo = Todo { go: true, ..Todo::default() };
-                let (states, pushed) = (&mut states[..], &mut pushed[..]);
-                let pass =
-                    Pass { todo, states, pushed, drives: &[], ways: &ways, h, speed_most: limits.speed };
-                dispatch(width, pass);
+                let go = Go { states: &mut states, ways: &ways, h, speed_most: limits.speed };
+                dispatch(width, go);
             }
             for (a, b) in states.iter().zip(&expected) {
                 let bits = |s: &BodyState| (s.hot.map(f32::to_bits), s.motion.map(f32::to_bits));
