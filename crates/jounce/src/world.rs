@@ -647,6 +647,6 @@ mod tests {
         let contact = size_of::<Contact>() + size_of::<PairHead>();
         let row = size_of::<Block>().div_ceil(LANES);
         let sizes = [cold, frame, awake, scratch, shape, bounds, contact, row];
-        assert_eq!(sizes, [0; 8]);
+        assert_eq!(sizes, [416, 112, 424, 140, 256, 48, 608, 464]);
     }
 }
