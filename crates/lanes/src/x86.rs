@@ -532,6 +532,7 @@ impl Lanes for F32x16 {
         );
         side_by_side(low, high)
     }
+    #[expect(clippy::redundant_closure, reason = "a closure can be told to inline")]
     #[inline(always)]
     fn gather8_of(row: impl Fn(usize) -> [f32; 8]) -> [Self; 8] {
         let low = F32x8::gather8_of(
