@@ -254,30 +254,20 @@ fn edge_along(p: &Poly, n: Vec3) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::super::hull_hull::separating_axis;
+    use super::super::random::Random;
     use super::*;
     use crate::{Hull, Shape, distance};
     use jounce_math::Quat;
     use std::sync::Arc;
 
-    struct Random(u32);
-
-    impl Random {
-        fn next(&mut self) -> f32 {
-            self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
-        }
-        fn vec(&mut self, s: f32) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next()) * s
-        }
-        fn hull(&mut self) -> Shape {
-            let half = Vec3::new(1.0, 0.4 + 0.5 * self.next().abs(), 0.8);
-            let mut point = || {
-                let d = self.vec(1.0).normalize_or(Vec3::Y);
-                Vec3::new(d.x * half.x, d.y * half.y, d.z * half.z)
-            };
-            let points: Vec<Vec3> = (0..12).map(|_| point()).collect();
-            Shape::Hull(Arc::new(Hull::new(&points).expect("points all around")))
-        }
+    fn hull(r: &mut Random) -> Shape {
+        let half = Vec3::new(1.0, 0.4 + 0.5 * r.next().abs(), 0.8);
+        let mut point = || {
+            let d = r.vec().normalize_or(Vec3::Y);
+            Vec3::new(d.x * half.x, d.y * half.y, d.z * half.z)
+        };
+        let points: Vec<Vec3> = (0..12).map(|_| point()).collect();
+        Shape::Hull(Arc::new(Hull::new(&points).expect("points all around")))
     }
 
     const MARGIN: f32 = 0.02;
@@ -287,16 +277,16 @@ mod tests {
     fn walk(seed: u32, deepest: f32) -> (usize, usize) {
         let mut rng = Random(seed);
         let cube = Shape::Box { half: Vec3::new(0.6, 0.4, 0.8) };
-        let (a, b) = (rng.hull(), if seed.is_multiple_of(3) { cube } else { rng.hull() });
+        let (a, b) = (hull(&mut rng), if seed.is_multiple_of(3) { cube } else { hull(&mut rng) });
         let (x, y) = (Convex::of(&a).expect("convex"), Convex::of(&b).expect("convex"));
         let (p, q) = (x.poly().expect("flat faces"), y.poly().expect("flat faces"));
         let mut scratch = Scratch::default();
         let mut cache = PairCache::default();
         let (mut kept, mut searched) = (0, 0);
-        let start = rng.vec(1.0).normalize_or(Vec3::Y) * 2.5;
-        let mut pose = Pose::new(start, Quat::IDENTITY.integrate(rng.vec(1.0)));
+        let start = rng.vec().normalize_or(Vec3::Y) * 2.5;
+        let mut pose = Pose::new(start, Quat::IDENTITY.integrate(rng.vec()));
         for step in 0..400 {
-            pose.q = pose.q.integrate(rng.vec(0.03));
+            pose.q = pose.q.integrate(rng.vec() * 0.03);
             // Together, until they are as deep as wanted, then apart.
             let best = separating_axis(&p, &q, &pose, f32::MAX).expect("faces");
             let apart = distance(&a, &b, &pose, f32::MAX).expect("convex").distance;
@@ -324,7 +314,7 @@ mod tests {
             let m = general::convex(&x, &y, &pose, MARGIN, &mut cache, &mut scratch);
             assert_eq!(m.is_some(), best <= MARGIN, "{seed}, {step}: {best}");
             let way = if best > -deepest { -0.01 } else { 0.02 };
-            pose.p += pose.p.normalize_or(Vec3::Y) * way + rng.vec(0.01);
+            pose.p += pose.p.normalize_or(Vec3::Y) * way + rng.vec() * 0.01;
         }
         (kept, searched)
     }

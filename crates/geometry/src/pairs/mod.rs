@@ -13,6 +13,8 @@ mod hull_hull;
 mod mesh;
 mod near;
 mod poly;
+#[cfg(test)]
+mod random;
 mod reduce;
 mod sieve;
 mod sphere;

@@ -227,23 +227,11 @@ impl Four {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::Random;
     use super::*;
     use crate::{Hull, Manifold, ManifoldSet, PairCache, Shape, TriMeshOptions, collide, collide_again};
     use jounce_math::Pose;
     use std::sync::Arc;
-
-    struct Random(u32);
-
-    impl Random {
-        /// From −1 to 1.
-        fn next(&mut self) -> f32 {
-            self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
-        }
-        fn vec(&mut self) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next())
-        }
-    }
 
     /// 20 × 20 quads of half a metre, bumpy.
     fn ground(r: &mut Random, double_sided: bool) -> Shape {

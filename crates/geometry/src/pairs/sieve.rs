@@ -208,27 +208,11 @@ fn slack(surface: &Aabb, core: &Core, far: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::random::Random;
     use super::*;
     use crate::convex::distance::cores;
     use crate::{Hull, Shape};
-    use jounce_math::Quat;
     use std::sync::Arc;
-
-    struct Random(u32);
-
-    impl Random {
-        /// From −1 to 1.
-        fn next(&mut self) -> f32 {
-            self.0 = self.0.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-            (self.0 >> 8) as f32 / (1 << 23) as f32 - 1.0
-        }
-        fn vec(&mut self) -> Vec3 {
-            Vec3::new(self.next(), self.next(), self.next())
-        }
-        fn quat(&mut self, angle: f32) -> Quat {
-            Quat::from_axis_angle(self.vec().normalize_or(Vec3::Y), angle * self.next())
-        }
-    }
 
     fn shapes() -> [Shape; 6] {
         let mut r = Random(3);

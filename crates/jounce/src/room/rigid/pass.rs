@@ -135,7 +135,7 @@ impl Kernel for Go<'_> {
     }
 }
 
-/// A quaternion a lane.
+/// A rotation per lane, in the order of operations of `Quat`: lanes go bit for bit as one by one. (That of the joints' lanes, `WideQuat`, is another.)
 #[derive(Clone, Copy)]
 struct Turn<L>([L; 4]);
 
