@@ -103,6 +103,9 @@ impl World {
         }
         assert_eq!(self.pairs.len(), self.contacts.len() + self.asleep_contacts.len());
         assert_eq!(self.heads.len(), self.contacts.len());
+        for c in self.contacts.iter().chain(&self.asleep_contacts) {
+            assert!(c.manifold.more || c.rest.is_empty(), "manifolds of contact {} are hidden", c.id);
+        }
         for (c, h) in self.contacts.iter().zip(&self.heads) {
             assert_eq!(*h, PairHead { until: h.until, ..PairHead::new(c) }, "head of contact {}", c.id);
             assert!(!(c.touching && h.until > 0.0), "contact {} touches and is apart", c.id);

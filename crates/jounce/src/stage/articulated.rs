@@ -3,10 +3,10 @@
 //! Their normal rows leave the lanes: a few sweeps of Gauss and Seidel over the points of all sets in contact order, each before
 //! the lanes' own. Friction stays in the lanes, bounded by what these rows push with.
 
-use super::Step;
 use super::joints::{constants, load};
+use super::{Places, RowPlace, Step};
 use crate::room::contacts::prepare::StepConstants;
-use crate::room::contacts::rows::{Block, LANES};
+use crate::room::contacts::rows::Block;
 use crate::room::contacts::solve::SPEED_MOST;
 use crate::room::contacts::state::{Contact, ContactManifold};
 use crate::room::joints::articulated::{Firm, Six};
@@ -95,15 +95,16 @@ fn gather(world: &mut World, s: &mut Leanings) {
     }
     s.points.clear();
     s.points.resize(sets.len(), 0);
-    let frames = &world.frames;
-    let contacts = || world.contacts.iter().filter_map(|c| Some((c, owners(frames, &s.owners, c)?)));
-    for (c, sides) in contacts() {
+    let (frames, places) = (&world.frames, &world.scratch.places);
+    let contacts =
+        || world.contacts.iter().enumerate().filter_map(|(i, c)| Some((i, c, owners(frames, &s.owners, c)?)));
+    for (at, c, sides) in contacts() {
         for (set, body) in sides {
             if let Some(set) = sets.get_mut(set as usize) {
                 set.firm.touch(body as usize);
             }
             if let Some(n) = s.points.get_mut(set as usize) {
-                *n += points(c);
+                *n += points(places, at, c);
             }
         }
     }
@@ -115,15 +116,14 @@ fn gather(world: &mut World, s: &mut Leanings) {
         }
     }
     s.points.fill(0);
-    for (c, owners) in contacts() {
+    for (at, c, owners) in contacts() {
         if !owners.iter().any(|o| sets.get(o.0 as usize).is_some_and(|s| s.leaned)) {
             continue;
         }
         let bodies = [c.body_a, c.body_b].map(|b| frames[b as usize].row);
-        for m in manifolds(c) {
+        for (place, m) in manifolds(places, at, c) {
             let count = usize::from(m.count).min(4);
-            let (color, row) = (usize::from(m.color), m.row as usize);
-            let (block, lane) = (row / LANES, row % LANES);
+            let (color, (block, lane)) = (usize::from(place.color), place.lane());
             let mut sides = bodies.map(|row| Side { row, set: NONE, place: 0, first: 0 });
             for (side, (set, body)) in sides.iter_mut().zip(owners) {
                 if let Some(list) = sets.get(set as usize).filter(|s| s.leaned) {
@@ -190,12 +190,17 @@ pub(crate) fn renew(world: &mut World, step: &Step) {
 }
 
 /// Those of a contact that are taken out of the lanes: what bounces stays there.
-fn manifolds(c: &Contact) -> impl Iterator<Item = &ContactManifold> {
-    c.manifolds().filter(|m| m.row != NONE && m.surface.restitution == 0.0)
+fn manifolds<'a>(
+    places: &'a Places,
+    at: usize,
+    c: &'a Contact,
+) -> impl Iterator<Item = (RowPlace, &'a ContactManifold)> {
+    let all = c.manifolds().enumerate().filter_map(move |(k, m)| Some((places.get(at, k)?, m)));
+    all.filter(|(_, m)| m.surface.restitution == 0.0)
 }
 
-fn points(c: &Contact) -> usize {
-    manifolds(c).map(|m| usize::from(m.count).min(4)).sum()
+fn points(places: &Places, at: usize, c: &Contact) -> usize {
+    manifolds(places, at, c).map(|(_, m)| usize::from(m.count).min(4)).sum()
 }
 
 /// Whose the bodies of a contact are, where some set's are touched from outside.

@@ -431,7 +431,6 @@ fn make_contact(world: &mut World, key: u64) {
         recycle_tolerance: f32s::min(0.02 * unit, 0.1 * thin),
         spare: 0.0,
         deep: false,
-        share: 1.0,
         hit_speed: 0.0,
     };
     world.link_contact(contact);

@@ -29,7 +29,8 @@ pub(crate) mod vehicles;
 
 use crate::room::contacts::impact::Impacts;
 use crate::room::contacts::prepare::StepConstants;
-use crate::room::contacts::rows::Block;
+use crate::room::contacts::rows::{Block, LANES};
+use crate::room::rigid::state::NONE;
 use jounce_geometry::ManifoldSet;
 use jounce_tasks::ColorSets;
 use std::sync::Mutex;
@@ -52,6 +53,7 @@ pub(crate) struct Scratch {
     pub items: Vec<u32>,
     /// (contact row, manifold) by payload.
     pub rows: Vec<(u32, u32)>,
+    pub places: Places,
     pub blocks: Vec<Vec<Block>>,
     /// By awake row: velocities before a pass over contacts, and what those of the last substep added to them.
     pub pushed: Vec<crate::room::rigid::pass::Pushed>,
@@ -61,6 +63,8 @@ pub(crate) struct Scratch {
     /// Contact rows that are deep, and how many each awake body has.
     pub deep: Vec<u32>,
     pub crowd: Vec<u32>,
+    /// Contact rows that are left a part of their push-out.
+    pub shares: Vec<(u32, f32)>,
     pub sets: Sets,
     pub news: News,
     /// Candidate pairs, one list per unit of the broad phase.
@@ -106,6 +110,61 @@ pub(crate) struct Scratch {
     pub squeeze: Vec<(f32, jounce_math::Vec3)>,
     /// By awake row: the last pass of restitution that changed its velocity.
     pub stirred: Vec<u32>,
+}
+
+/// Colour and row of a manifold in the solver.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowPlace {
+    pub color: u8,
+    pub row: u32,
+}
+
+impl RowPlace {
+    const NOWHERE: Self = Self { color: 0, row: NONE };
+    /// Which block of the colour, and the lane there.
+    pub fn lane(&self) -> (usize, usize) {
+        (self.row as usize / LANES, self.row as usize % LANES)
+    }
+}
+
+/// Where in the solver the manifolds of this step are. Beside the contacts, so that to say it writes to none of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Places {
+    /// By contact row: that of its first manifold.
+    firsts: Vec<RowPlace>,
+    /// Those of all other manifolds; by contact row: where its own begin.
+    others: Vec<RowPlace>,
+    from: Vec<u32>,
+}
+
+impl Places {
+    /// So many contacts, none of which has rows.
+    pub fn begin(&mut self, contacts: usize) {
+        self.firsts.clear();
+        self.firsts.resize(contacts, RowPlace::NOWHERE);
+        self.others.clear();
+        self.from.clear();
+        self.from.resize(contacts, 0);
+    }
+    /// The next manifold of a contact; all of a contact's come one after the other.
+    pub fn push(&mut self, contact: usize, manifold: usize, place: RowPlace) {
+        if manifold == 0 {
+            self.firsts[contact] = place;
+            self.from[contact] = self.others.len() as u32;
+        } else {
+            self.others.push(place);
+        }
+    }
+    /// Where a manifold of a contact is, if its row can move anything.
+    #[inline]
+    pub fn get(&self, contact: usize, manifold: usize) -> Option<RowPlace> {
+        let first = self.firsts.get(contact)?;
+        let place = match manifold.checked_sub(1) {
+            None => first,
+            Some(k) => self.others.get(*self.from.get(contact)? as usize + k)?,
+        };
+        (first.row != NONE && place.row != NONE).then_some(*place)
+    }
 }
 
 impl Scratch {
@@ -157,7 +216,7 @@ impl Clone for Sets {
 
 #[cfg(test)]
 mod tests {
-    use super::Scratch;
+    use super::{Places, RowPlace, Scratch};
     use crate::{BodyDesc, JointDesc, Material, ShapeDesc, World, WorldDesc};
     use jounce_math::Vec3;
 
@@ -198,6 +257,29 @@ mod tests {
             w.step().expect("valid");
             fresh.step().expect("valid");
             assert_eq!(fresh.hash(), w.hash(), "step {step}");
+        }
+    }
+
+    /// Every manifold is found where it was put, and none that was not.
+    #[test]
+    fn manifolds_have_places() {
+        let counts = [1, 0, 3, 1, 2, 0, 4];
+        let mut places = Places::default();
+        for _ in 0..2 {
+            places.begin(counts.len());
+            for (contact, &n) in counts.iter().enumerate() {
+                for k in 0..n {
+                    places.push(contact, k, RowPlace { color: k as u8, row: 10 * contact as u32 });
+                }
+            }
+            for (contact, &n) in counts.iter().enumerate() {
+                for k in 0..n {
+                    let place = places.get(contact, k).map(|p| (p.color, p.row));
+                    assert_eq!(place, Some((k as u8, 10 * contact as u32)));
+                }
+                assert!(n > 0 || places.get(contact, 0).is_none() && places.get(contact, 1).is_none());
+            }
+            assert!(places.get(counts.len(), 0).is_none() && places.get(6, 4).is_none());
         }
     }
 }

@@ -131,7 +131,8 @@ pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
 /// Gives how far the two may still come together before they need to be looked at, m (0 where they are near), or `None`
 /// where they are to be tested in the pose that is noted.
 fn look(world: &World, c: &mut Contact, dt: f32) -> Option<f32> {
-    c.apart = !bounds_meet(world, c);
+    let apart = !bounds_meet(world, c);
+    put(&mut c.apart, apart);
     if c.apart {
         return Some(0.0);
     }
@@ -151,17 +152,18 @@ fn look(world: &World, c: &mut Contact, dt: f32) -> Option<f32> {
 fn finish(world: &World, c: &mut Contact, h: &mut PairHead, room: f32) -> bool {
     let mut room = room;
     if c.apart {
-        c.now_touching = false;
+        put(&mut c.now_touching, false);
     } else {
         if let Some((_, hook)) = &world.hooks.contact {
             ask_hook(world, c, hook.as_ref());
         }
-        c.now_touching = c.manifold.count > 0;
+        let touches = c.manifold.count > 0;
+        put(&mut c.now_touching, touches);
         let limit = -crowd::DEEP_SLOPS * c.slop;
         let deep =
             |m: &ContactManifold| m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit);
         let deep = c.manifolds().any(deep);
-        c.deep = deep;
+        put(&mut c.deep, deep);
         // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
         let keeps =
             world.settings.recycle_contacts && world.hooks.contact.is_none() && c.planes == [false; 2];
@@ -176,6 +178,13 @@ fn finish(world: &World, c: &mut Contact, h: &mut PairHead, room: f32) -> bool {
         f64::NEG_INFINITY
     };
     c.apart || c.now_touching != c.touching
+}
+
+/// Writes what changes only: a line that nothing was written to need not go back to memory.
+fn put(to: &mut bool, value: bool) {
+    if *to != value {
+        *to = value;
+    }
 }
 
 fn bounds_meet(world: &World, c: &Contact) -> bool {
@@ -225,7 +234,7 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
         for (p, at) in m.points.iter_mut().zip(&m.anchors).take(usize::from(m.count)) {
             p.separation = (d + rb * at.on_b - ra * at.on_a).dot(m.normal);
         }
-        m.fresh = false;
+        put(&mut m.fresh, false);
     }
     true
 }
@@ -311,6 +320,7 @@ fn test(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
         }
     }
     rest.drain(..kept);
+    c.manifold.more = !rest.is_empty();
     c.rest = rest;
 }
 
@@ -430,6 +440,7 @@ fn ask_hook(
     c.rest.retain_mut(keep);
     if !first {
         c.manifold = if c.rest.is_empty() { ContactManifold::default() } else { c.rest.remove(0) };
+        c.manifold.more = !c.rest.is_empty();
     }
 }
 

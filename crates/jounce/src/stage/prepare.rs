@@ -1,6 +1,6 @@
 //! Colours the manifolds and fills the solver's rows.
 
-use super::Step;
+use super::{RowPlace, Step};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::{crowd, load};
@@ -17,7 +17,8 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     name_items(world);
     color(world);
     let (rows, deep) = (world.awake.state.len(), core::mem::take(&mut world.scratch.deep));
-    crowd::share(&mut world.contacts, &deep, &world.frames, &mut world.scratch.crowd, rows);
+    let (crowd, shares) = (&mut world.scratch.crowd, &mut world.scratch.shares);
+    crowd::share(&world.contacts, &deep, &world.frames, crowd, rows, shares);
     world.scratch.deep = deep;
     raise_squeezed(world, step);
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
@@ -32,6 +33,14 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             let next = &rows[to..(to + LANES).min(rows.len())];
             fill_block(shared, block, &rows[from..to], next, step);
         });
+    }
+    for &(contact, share) in &world.scratch.shares {
+        for k in 0..world.contacts[contact as usize].manifold_count() {
+            if let Some(place) = world.scratch.places.get(contact as usize, k) {
+                let (block, lane) = place.lane();
+                blocks[usize::from(place.color)][block].share[lane] = share;
+            }
+        }
     }
     world.scratch.blocks = blocks;
     world.awake.step.iter().for_each(|b| world.scratch.items[b.body as usize] = ColorSets::NONE);
@@ -58,13 +67,12 @@ fn raise_squeezed(world: &mut World, step: &Step) {
 
 fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step: &Step) {
     (block.any_rolling, block.any_surface, block.any_rebound, block.round) = (false, false, false, true);
-    block.rebound_change = [-1.0; LANES];
+    (block.rebound_change, block.share) = ([-1.0; LANES], [1.0; LANES]);
     (block.rows, block.points_max) = (rows.len(), 0);
     // What the next block reads lies anywhere.
     for row in next {
         let (contact, _) = world.scratch.rows[row.payload() as usize];
         let c = &world.contacts[contact as usize];
-        prefetch(&c.id);
         c.manifold.prefetch();
         for item in [row.a(), row.b()].into_iter().filter_map(ColorSets::index) {
             prefetch(&world.awake.state[item]);
@@ -77,7 +85,7 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
         let c = &world.contacts[contact as usize];
         let bodies = [row.a(), row.b()].map(ColorSets::index);
         sources.put(l, c.get(manifold as usize), bodies, &world.awake);
-        fill(block, l, c, &sources);
+        fill(block, l, &sources);
     }
     // The kernel makes lanes without a row zero; these come from rows alone.
     for l in rows.len()..LANES {
@@ -102,19 +110,18 @@ fn color(world: &mut World) {
     let scratch = &mut world.scratch;
     scratch.colors.reset(world.awake.state.len());
     scratch.rows.clear();
+    scratch.places.begin(world.contacts.len());
     scratch.deep.clear();
     scratch.loads.begin(world.awake.state.len());
     for (i, h) in world.heads.iter().enumerate() {
-        // What is read of a contact lies in two lines.
+        // What is read of a contact lies in one line.
         if let Some(ahead) = world.contacts.get(i + AHEAD).filter(|_| world.heads[i + AHEAD].touching) {
-            prefetch(&ahead.id);
-            prefetch(&ahead.manifold.normal);
+            prefetch(&ahead.hit_speed);
         }
         if !h.touching {
             continue;
         }
-        let c = &mut world.contacts[i];
-        c.share = 1.0;
+        let c = &world.contacts[i];
         if c.deep {
             scratch.deep.push(i as u32);
         }
@@ -122,16 +129,15 @@ fn color(world: &mut World) {
         scratch.loads.add([a, b], c);
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.
         if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
-            c.manifolds_mut().for_each(|m| m.row = NONE);
             continue;
         }
-        for (k, m) in c.manifolds_mut().enumerate() {
+        for k in 0..c.manifold_count() {
             let payload = scratch.rows.len() as u32;
             scratch.rows.push((i as u32, k as u32));
-            match scratch.colors.push(a, b, payload) {
-                Some(row) => (m.color, m.row) = row,
-                None => debug_assert!(false, "a contact of a body with itself"),
-            }
+            let place = scratch.colors.push(a, b, payload);
+            debug_assert!(place.is_some(), "a contact of a body with itself");
+            let (color, row) = place.unwrap_or((ColorSets::OVERFLOW, NONE));
+            scratch.places.push(i, k, RowPlace { color, row });
         }
     }
 }

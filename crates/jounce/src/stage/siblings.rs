@@ -2,7 +2,6 @@
 //! blades of one rotor, which never meet, would brake it. What overlaps is pushed apart as ever.
 
 use super::Step;
-use crate::room::contacts::rows::LANES;
 use crate::room::rigid::state::{BodyState, NONE};
 use crate::world::World;
 use jounce_math::{Vec3, scalar::f32s};
@@ -43,7 +42,8 @@ fn spin(world: &World, row: u32) -> Vec3 {
 /// Takes the points that are apart from pairs of one set.
 fn blind(world: &mut World, step: &Step, owners: &[u32]) {
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
-    for c in world.contacts.iter().filter(|c| c.touching) {
+    let places = &world.scratch.places;
+    for (at, c) in world.contacts.iter().enumerate().filter(|(_, c)| c.touching) {
         let rows = [c.body_a, c.body_b].map(|b| world.frames[b as usize].row);
         let [a, b] = rows.map(|r| owners.get(r as usize));
         if a.is_none_or(|&a| a == NONE) || a != b {
@@ -54,9 +54,9 @@ fn blind(world: &mut World, step: &Step, owners: &[u32]) {
         if least < TURN / step.dt || (a - b).length() > TOGETHER * least {
             continue;
         }
-        for m in c.manifolds().filter(|m| m.row != NONE) {
-            let (row, lane) = (m.row as usize, m.row as usize % LANES);
-            for p in &mut blocks[usize::from(m.color)][row / LANES].points {
+        for place in (0..c.manifold_count()).filter_map(|k| places.get(at, k)) {
+            let (block, lane) = place.lane();
+            for p in &mut blocks[usize::from(place.color)][block].points {
                 if p.separation[lane] > 0.0 {
                     (p.mass[lane], p.impulse[lane]) = (0.0, 0.0);
                 }

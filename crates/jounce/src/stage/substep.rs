@@ -4,12 +4,11 @@ use super::{Step, articulated};
 use crate::event::Event;
 use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
-use crate::room::contacts::state::ContactManifold;
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
 use crate::room::rigid::pass::{Drive, Go, Pushed, Todo, Way};
 use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position};
-use crate::room::rigid::state::{BodyState, NONE};
+use crate::room::rigid::state::BodyState;
 use crate::world::World;
 use jounce_lanes::{Width, dispatch, prefetch};
 use jounce_math::scalar::f32s;
@@ -147,34 +146,28 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     collect(world);
     let stick_speed = world.settings.stick_speed;
     let mut contacts = core::mem::take(&mut world.contacts);
-    let (blocks, heads) = (&world.scratch.blocks, &world.heads);
-    let outcome = |m: &ContactManifold| {
-        let (block, lane) = (m.row as usize / LANES, m.row as usize % LANES);
-        blocks[usize::from(m.color)].get(block).map(|b| &b.results[lane])
+    let (scratch, heads) = (&world.scratch, &world.heads);
+    let outcome = |contact: usize, manifold: usize| {
+        let place = scratch.places.get(contact, manifold)?;
+        let (block, lane) = place.lane();
+        scratch.blocks[usize::from(place.color)].get(block).map(|b| &b.results[lane])
     };
     world.tasks.for_each_chunk(&mut contacts, CONTACTS, |first, chunk| {
         let touching = |i: usize| heads.get(first + i).is_some_and(|h| h.touching);
         for i in 0..chunk.len() {
             // Contacts and results lie anywhere: both are asked for ahead.
             if let Some(c) = chunk.get(i + 2 * AHEAD).filter(|_| touching(i + 2 * AHEAD)) {
-                prefetch(&c.id);
                 c.manifold.prefetch();
                 prefetch(&c.manifold.total_friction);
             }
-            if let Some(c) = chunk.get(i + AHEAD).filter(|_| touching(i + AHEAD)) {
-                outcome(&c.manifold).into_iter().for_each(prefetch);
-            }
+            outcome(first + i + AHEAD, 0).into_iter().for_each(prefetch);
             let c = &mut chunk[i];
             if !touching(i) {
                 continue;
             }
-            c.hit_speed = 0.0;
-            if c.manifold.row == NONE {
-                continue;
-            }
             let mut fastest = 0.0;
-            for m in c.manifolds_mut() {
-                if let Some(of) = outcome(m) {
+            for (k, m) in c.manifolds_mut().enumerate() {
+                if let Some(of) = outcome(first + i, k) {
                     fastest = f32s::max(fastest, finish::store(m, of, stick_speed));
                 }
             }

@@ -16,15 +16,17 @@ pub(crate) const DEEP_SLOPS: f32 = 10.0;
 /// Neighbours that have room around a body of their size (the kissing number in three dimensions).
 const NEIGHBOURS: f32 = 12.0;
 
-/// Sets the share of every deep contact, given by their places in `contacts`; `counts` is scratch, `rows` the number
-/// of awake bodies.
+/// Gives those deep contacts (their places in `contacts`) that are left less than all of their push-out, and the part; `counts` is
+/// scratch, `rows` the number of awake bodies.
 pub(crate) fn share(
-    contacts: &mut [Contact],
+    contacts: &[Contact],
     deep: &[u32],
     frames: &[BodyFrame],
     counts: &mut Vec<u32>,
     rows: usize,
+    shares: &mut Vec<(u32, f32)>,
 ) {
+    shares.clear();
     if deep.len() <= NEIGHBOURS as usize {
         return;
     }
@@ -40,9 +42,11 @@ pub(crate) fn share(
         }
     }
     for &i in deep {
-        let c = &mut contacts[i as usize];
+        let c = &contacts[i as usize];
         let count = |body: u32| counts.get(row(body)).copied().unwrap_or(0);
         let n = count(c.body_a).max(count(c.body_b)) as f32;
-        c.share = if n > NEIGHBOURS { NEIGHBOURS / n } else { 1.0 };
+        if n > NEIGHBOURS {
+            shares.push((i, NEIGHBOURS / n));
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! Jacobians and effective masses for all of them at once; [`fill`] adds what is decided row by row.
 
 use super::rows::{Block, LANES, Wide3, basis, coupling, velocity};
-use super::state::{Contact, ContactManifold};
+use super::state::ContactManifold;
 use crate::room::rigid::state::{Awake, BodyState, InvInertia};
 use crate::settings::Settings;
 use jounce_lanes::{Kernel, Lanes};
@@ -110,11 +110,10 @@ impl<'a> Sources<'a> {
     }
 }
 
-/// What of a row is no lane of its manifold's: share, friction by the stick bit, how it rolls.
-pub(crate) fn fill(block: &mut Block, l: usize, c: &Contact, s: &Sources<'_>) {
+/// What of a row is no lane of its manifold's: friction by the stick bit, how it rolls.
+pub(crate) fn fill(block: &mut Block, l: usize, s: &Sources<'_>) {
     let l = l % LANES;
     let m = s.manifolds[l];
-    block.share[l] = c.share;
     block.mu[l] = if m.stick { m.surface.static_friction } else { m.surface.kinetic_friction };
     // One, two or four: the passes are made for these.
     block.points_max = block.points_max.max(usize::from(m.count).min(4).next_power_of_two());

@@ -91,13 +91,12 @@ pub(crate) struct ContactManifold {
     /// Friction impulse of the last substep, world frame, N s.
     pub friction: Vec3,
     pub rolling: Vec3,
-    /// Where its solver row is: colour and row.
-    pub color: u8,
     pub count: u8,
     pub faces: u8,
     /// Holds up to μ_s N; sliding otherwise, at μ_k N.
     pub stick: bool,
-    pub row: u32,
+    /// Others of the contact may follow it, in [`Contact::rest`].
+    pub more: bool,
     pub points: [Point; 4],
     /// Slip velocity of B against A at the end of the last step, world frame, m/s.
     pub slip: Vec3,
@@ -124,11 +123,10 @@ impl ContactManifold {
         total: 0.0,
         friction: Vec3::ZERO,
         rolling: Vec3::ZERO,
-        color: 0,
         count: 0,
         faces: 0,
         stick: true,
-        row: NONE,
+        more: false,
         points: [NO_POINT; 4],
         slip: Vec3::ZERO,
         surface: Surface::NOTHING,
@@ -244,7 +242,8 @@ impl PairHead {
     }
 }
 
-/// A pair of shapes whose bounds overlap. The fields lie in the order in which they are asked for: stages that go through all contacts read one or two lines of each.
+/// A pair of shapes whose bounds overlap. The fields lie in the order in which they are asked for. Two lines say whether manifolds are kept; the next
+/// three are what the solver reads, and begin with all that a pass over every contact that touches asks for.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(crate) struct Contact {
@@ -261,13 +260,14 @@ pub(crate) struct Contact {
     /// Which of the two shapes has no bounds.
     pub planes: [bool; 2],
     pub tested: bool,
-    /// Some point is deep inside, and the part of the push-out that is left to this contact; see [`super::crowd`].
-    pub deep: bool,
-    pub share: f32,
-    /// Approach speed at which the two met, for hit events, m/s.
-    pub hit_speed: f32,
+    /// How far ahead the pair looks changes from step to step.
+    pub bouncy: bool,
+    /// min(slop, 5 % of the thinner shape).
+    pub slop: f32,
     /// More manifolds than the first, for meshes and compounds.
     pub rest: Vec<ContactManifold>,
+    /// Memory, not state.
+    pub near: Option<Box<Near>>,
     /// Positions in the two bodies' contact lists (NONE for a fixed body).
     pub edge: [u32; 2],
     /// What the shapes were apart beyond the margin at the last test, m: no part of either meets the other before it has moved so far.
@@ -275,33 +275,61 @@ pub(crate) struct Contact {
     /// Largest distance of a point of B from `middle_b`, and that from B's centre of mass, in body B's axes.
     pub extent_b: f32,
     pub middle_b: Vec3,
-    /// How far ahead the last test looked, and whether that changes from step to step.
+    /// How far ahead the last test looked.
     pub margin: f32,
-    pub bouncy: bool,
     pub recycle_tolerance: f32,
-    /// min(slop, 5 % of the thinner shape).
-    pub slop: f32,
     /// Pose of body B's centre of mass in body A's at the last full test; valid while `tested`.
     pub tested_pose: Pose,
+    /// Approach speed at which the two met, for hit events, m/s.
+    pub hit_speed: f32,
+    /// Some point is deep inside; see [`super::crowd`].
+    pub deep: bool,
     pub manifold: ContactManifold,
     /// Rotations of the two bodies at the last full test.
     pub tested_rotations: [Quat; 2],
     pub cache: PairCache,
-    /// Memory, not state.
-    pub near: Option<Box<Near>>,
 }
+
+/// Calls: what a call reads, the compiler does not read before it knows that it is wanted.
+#[cold]
+#[inline(never)]
+#[allow(clippy::ptr_arg)]
+fn behind(rest: &Vec<ContactManifold>) -> &[ContactManifold] {
+    rest
+}
+
+#[cold]
+#[inline(never)]
+#[allow(clippy::ptr_arg)]
+fn behind_mut(rest: &mut Vec<ContactManifold>) -> &mut [ContactManifold] {
+    rest
+}
+
+/// What the solver reads of a contact begins with a line, and ends with the third.
+const _: () = {
+    use core::mem::{offset_of, size_of};
+    let first = offset_of!(Contact, hit_speed);
+    assert!(first.is_multiple_of(64) && offset_of!(Contact, manifold) <= first + 8);
+    let last = offset_of!(Contact, manifold) + offset_of!(ContactManifold, surface) + size_of::<Surface>();
+    assert!(last <= first + 3 * 64);
+};
 
 impl Contact {
     pub fn manifold_count(&self) -> usize {
-        if self.manifold.count == 0 { 0 } else { 1 + self.rest.len() }
+        if self.manifold.count == 0 { 0 } else { 1 + self.others().len() }
+    }
+    /// The manifolds behind the first. Where there are none, nothing beside the first is read to find that out.
+    fn others(&self) -> &[ContactManifold] {
+        if self.manifold.more { behind(&self.rest) } else { &[] }
     }
     pub fn manifolds(&self) -> impl Iterator<Item = &ContactManifold> {
         let n = self.manifold_count();
-        core::iter::once(&self.manifold).take(n).chain(self.rest.iter())
+        core::iter::once(&self.manifold).take(n).chain(self.others())
     }
     pub fn manifolds_mut(&mut self) -> impl Iterator<Item = &mut ContactManifold> {
         let n = self.manifold_count();
-        core::iter::once(&mut self.manifold).take(n).chain(self.rest.iter_mut())
+        let others = if self.manifold.more { behind_mut(&mut self.rest) } else { &mut [] };
+        core::iter::once(&mut self.manifold).take(n).chain(others)
     }
     pub fn get(&self, i: usize) -> &ContactManifold {
         if i == 0 { &self.manifold } else { &self.rest[i - 1] }
