@@ -212,10 +212,13 @@ fn poses(world: &mut World, step: &Step) {
     }
     // Frames lie by slot: units make copies by row, which then go to their places.
     let (frames, ends) = (&world.frames, &mut world.scratch.ends_of_step);
-    ends.clear();
-    ends.extend(a.step.iter().map(|b| frames[b.body as usize]));
+    ends.truncate(a.step.len());
+    if let Some(b) = a.step.first() {
+        ends.resize(a.step.len(), frames[b.body as usize]);
+    }
     let columns = (&mut a.state[..], &mut a.step[..], &mut a.inertia[..], &mut a.turning[..], &mut ends[..]);
     world.tasks.for_each5(columns, BODIES, |_, s, b, i, t, frame| {
+        *frame = frames[b.body as usize];
         rigid::finish(s, b, t, i, frame, &bodies[b.body], step.dt, &limits);
     });
     for (b, end) in a.step.iter().zip(ends) {
