@@ -7,6 +7,7 @@ use crate::room::joints::alike::{Band, Link};
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::gear::Gear;
 use crate::room::joints::local::Local;
+use crate::room::joints::net::point::{PointBlock, is_point};
 use crate::room::joints::net::{Rows, Type};
 use crate::room::joints::place::NEAR;
 use crate::room::joints::rows::Start;
@@ -28,10 +29,11 @@ pub(crate) struct JointScratch {
     links: Vec<Link>,
     /// Joints of those that are solved as nets, by type.
     pub nets: [Rows; 3],
+    pub points: Rows<PointBlock>,
     ids: Vec<u32>,
     /// Versions and awake bodies that they were gathered for.
     of: (u64, u64),
-    seen: Vec<(u32, BodyKind)>,
+    seen: Vec<(u32, BodyKind, u8)>,
     /// A bit for each slot of the table.
     marks: Vec<u64>,
     /// Who was gathered, and which ends moved, when the sets were made.
@@ -43,10 +45,17 @@ pub(crate) struct JointScratch {
     wakes: Vec<u32>,
 }
 
+impl JointScratch {
+    fn forget_nets(&mut self) {
+        self.nets.iter_mut().for_each(|r| r.ids.clear());
+        self.points.ids.clear();
+    }
+}
+
 /// Once per step: the sets, and where everything stands.
 pub(crate) fn prepare(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.joints);
-    let awake = || world.awake.step.iter().map(|b| (b.body, b.kind));
+    let awake = || world.awake.step.iter().map(|b| (b.body, b.kind, b.locks));
     let now = (world.joints.version, world.joints.edits);
     let still = s.of == now && s.seen.iter().copied().eq(awake());
     if !still {
@@ -61,7 +70,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
     if s.ids.is_empty() {
         s.sets.clear();
         s.bands.clear();
-        s.nets.iter_mut().for_each(|r| r.ids.clear());
+        s.forget_nets();
         s.made_of.clear();
         world.scratch.joints = s;
         return;
@@ -97,14 +106,14 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
             set.known = nets::knows(shared, set, step.constants.h);
         }
     });
-    let changed = choose_nets(shared, &mut s, step, again);
+    let changed = (again || !still) && choose_nets(shared, &mut s, step, again);
     shared.tasks.for_each(&mut s.sets, 1, |_, set| {
         if !set.net {
             begin(shared, set, |j| shared.start(j));
         }
     });
     alike::prepare(shared, &mut s.sets, &mut s.bands, &mut s.links, step);
-    nets::prepare(shared, &mut s, step, changed);
+    nets::prepare(shared, &mut s, step, changed, still);
     world.scratch.joints = s;
 }
 
@@ -119,9 +128,12 @@ fn choose_nets(world: &World, s: &mut JointScratch, step: &Step, again: bool) ->
     if !changed {
         return false;
     }
-    s.nets.iter_mut().for_each(|r| r.ids.clear());
+    s.forget_nets();
     for joint in s.sets.iter().filter(|s| s.net).flat_map(|s| &s.joints) {
-        if let Some(kind) = Type::of(&world.joints.table[joint.id].desc, step.constants.h) {
+        let desc = &world.joints.table[joint.id].desc;
+        if is_point(desc) {
+            s.points.ids.push(joint.id);
+        } else if let Some(kind) = Type::of(desc, step.constants.h) {
             s.nets[kind as usize].ids.push(joint.id);
         }
     }

@@ -5,7 +5,8 @@ use super::joints::JointScratch;
 use crate::room::contacts::rows::LANES;
 use crate::room::joints::hinge;
 use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
-use crate::room::joints::net::{Block, Type};
+use crate::room::joints::net::point::{self, Source};
+use crate::room::joints::net::{Rows, Type};
 use crate::room::joints::rows::{Ends, Start};
 use crate::room::joints::set::{self, JointSet, TORN};
 use crate::room::rigid::desc::BodyKind;
@@ -26,36 +27,47 @@ pub(super) fn is_unlocked(world: &World, set: &JointSet) -> bool {
     set.bodies.iter().all(|b| world.awake.step.get(row(b.slot)).is_none_or(|b| b.locks == 0))
 }
 
-/// Once per step: colours where anything changed, and blocks; what does not change within a joint only if `changed`.
-pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed: bool) {
+/// Once per step: colours where anything changed, and blocks; what does not change within a joint only if `changed`. `still`: so are the awake
+/// bodies as they were.
+pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed: bool, still: bool) {
+    let awake = &world.awake;
     let item = |body: u32| match world.frames[body as usize].row {
         NONE => ColorSets::NONE,
-        row if world.awake.step[row as usize].kind == BodyKind::Dynamic => row,
+        row if awake.step[row as usize].kind == BodyKind::Dynamic => row,
         row => ColorSets::shared(row),
     };
-    for (rows, kind) in s.nets.iter_mut().zip(Type::ALL) {
-        let items = rows.ids.iter().map(|&id| {
-            let j = &world.joints.table[id];
-            [item(j.body_a), item(j.body_b)]
-        });
-        let moved =
-            rows.colors.items() != world.awake.state.len() || !rows.items.iter().copied().eq(items.clone());
-        if moved {
-            let items: Vec<[u32; 2]> = items.collect();
-            rows.items = items;
-            rows.colors.reset(world.awake.state.len());
-            for (i, [a, b]) in rows.items.iter().enumerate() {
-                let pushed = rows.colors.push(*a, *b, i as u32);
-                debug_assert!(pushed.is_some(), "a joint of a body with itself, or of none that moves");
-            }
-            rows.blocks.resize(ColorSets::COLORS + 1, Vec::new());
-            for (color, blocks) in rows.blocks.iter_mut().enumerate() {
-                blocks.clear();
-                blocks.resize(rows.colors.rows(color).len().div_ceil(LANES), Block::default());
-            }
+    let items = |id: u32| {
+        let j = &world.joints.table[id];
+        [item(j.body_a), item(j.body_b)]
+    };
+    let inertia = |slot: u32| {
+        let row = world.frames[slot as usize].row as usize;
+        match awake.inertia.get(row) {
+            Some(t) if awake.step[row].kind == BodyKind::Dynamic => t,
+            _ => &InvInertia::FIXED,
         }
-        let (ids, colors) = (&rows.ids, &rows.colors);
-        for (color, blocks) in rows.blocks.iter_mut().enumerate() {
+    };
+    let moved = (changed || !still) && s.points.arrange(awake.state.len(), items);
+    let Rows { ids, colors, blocks, .. } = &mut s.points;
+    for (color, blocks) in blocks.iter_mut().enumerate() {
+        let list = colors.rows(color);
+        world.tasks.for_each(blocks, 4, |i, block| {
+            let mut sources = [Source::NONE; LANES];
+            for (l, (row, source)) in list[i * LANES..].iter().zip(&mut sources).enumerate() {
+                let j = &world.joints.table[ids[row.payload() as usize]];
+                let [a, b] = [j.body_a, j.body_b].map(|slot| &world.frames[slot as usize]);
+                if changed || moved {
+                    block.describe(l, j, [a.local_center, b.local_center]);
+                }
+                *source = Source::new(j, a, b, [inertia(j.body_a), inertia(j.body_b)]);
+            }
+            block.begin(world.width, &sources);
+        });
+    }
+    for (rows, kind) in s.nets.iter_mut().zip(Type::ALL) {
+        let moved = (changed || !still) && rows.arrange(awake.state.len(), items);
+        let Rows { ids, colors, blocks, .. } = rows;
+        for (color, blocks) in blocks.iter_mut().enumerate() {
             let list = colors.rows(color);
             world.tasks.for_each(blocks, 4, |i, block| {
                 let joints = list[i * LANES..].iter().take(LANES).map(|row| ids[row.payload() as usize]);
@@ -67,14 +79,8 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed:
                 }
                 for (l, id) in joints.enumerate() {
                     let j = &world.joints.table[id];
-                    let side = |slot: u32| {
-                        let row = world.frames[slot as usize].row as usize;
-                        match world.awake.inertia.get(row) {
-                            Some(t) if world.awake.step[row].kind == BodyKind::Dynamic => (t.inv_mass, *t),
-                            _ => (0.0, InvInertia::default()),
-                        }
-                    };
-                    block.begin(l, kind, j, &world.start(j), [side(j.body_a), side(j.body_b)]);
+                    let sides = [j.body_a, j.body_b].map(|slot| *inertia(slot)).map(|t| (t.inv_mass, t));
+                    block.begin(l, kind, j, &world.start(j), sides);
                 }
             });
         }
@@ -92,7 +98,22 @@ fn sweep(world: &mut World, step: &Step, pass: Pass) {
     let k = constants(world, step);
     let width = world.width;
     let states = &mut world.awake.state;
-    for (rows, kind) in world.scratch.joints.nets.iter_mut().zip(Type::ALL) {
+    let JointScratch { points, nets, .. } = &mut world.scratch.joints;
+    for (color, blocks) in points.blocks.iter_mut().enumerate().take(ColorSets::COLORS) {
+        if points.ids.is_empty() || blocks.is_empty() {
+            continue;
+        }
+        points.colors.scatter(color, &world.tasks, LANES, states, BodyState::FIXED, blocks, |access, rows, block| {
+            point::run(width, point::Sweep { pass, access, rows, block, lane: 0, constants: &k });
+        });
+    }
+    if let Some(overflow) = points.blocks.get_mut(ColorSets::COLORS).filter(|_| !points.ids.is_empty()) {
+        points.colors.scatter_overflow(LANES, states, BodyState::FIXED, overflow, |access, row, block| {
+            let (lane, rows) = (row % LANES, row..row + 1);
+            point::run(Width::X1, point::Sweep { pass, access, rows, block, lane, constants: &k });
+        });
+    }
+    for (rows, kind) in nets.iter_mut().zip(Type::ALL) {
         if rows.ids.is_empty() {
             continue;
         }
@@ -142,10 +163,15 @@ pub(super) fn relax(world: &mut World, step: &Step, last: bool) {
 
 /// Impulses back to the records, and what broke: joint, force, torque.
 pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
+    for (color, blocks) in s.points.blocks.iter().enumerate() {
+        for (i, row) in s.points.colors.rows(color).iter().enumerate() {
+            blocks[i / LANES].store(i, &mut world.joints.table[s.points.id(row)], step.dt);
+        }
+    }
     for (rows, kind) in s.nets.iter().zip(Type::ALL) {
         for (color, blocks) in rows.blocks.iter().enumerate() {
             for (i, row) in rows.colors.rows(color).iter().enumerate() {
-                let id = rows.ids[row.payload() as usize];
+                let id = rows.id(row);
                 let j = &mut world.joints.table[id];
                 if blocks[i / LANES].store(i, j, step.dt) {
                     s.broke.push((id, j.force.length(), j.torque.length()));

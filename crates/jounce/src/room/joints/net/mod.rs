@@ -4,9 +4,10 @@
 //! get: soft rows (`Settings::joint_hertz`, `joint_damping_ratio`), impulses of the last substep to start from, two biased passes and a
 //! relaxing one a substep, in colours of joints that share no moving body.
 //!
-//! Three types, each with a kernel and blocks of its own:
+//! Four types, each with a kernel and blocks of its own:
 //!
 //! * ball: d = p_b − p_a = 0; J = (−1, r_a×, 1, −r_b×), a 3×3 block; cone and twist as ends; motor and friction about A's axes;
+//! * point: a ball with neither of these, which cannot break ([`point`]): the same rows on a quarter of the memory;
 //! * hinge: the same, and x_b stays across y_a and z_a, a 2×2 block, j = x_b × n; ends, motor, spring and friction about x;
 //! * fixed: the same, and no turn, C = 2 v of q_b q_a⁻¹ = (v, w) as a 3×3 block about the world's axes.
 //!
@@ -19,12 +20,14 @@
 //! Sources: Catto, Soft constraints, GDC 2011; Solver2D 2024 (soft step, relax); blocks and masks as contacts have them.
 
 pub(crate) mod fill;
+pub(crate) mod point;
 pub(crate) mod solve;
+mod two;
 
 use super::alike::Kind;
 use super::desc::JointDesc;
 use crate::room::contacts::rows::{LANES, Lane, LaneVec};
-use jounce_tasks::ColorSets;
+use jounce_tasks::{ColorSets, Row};
 
 /// What a block is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,11 +160,39 @@ pub(crate) const NO_CONE: f32 = -2.0;
 
 /// All joints of one type.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Rows {
+pub(crate) struct Rows<B = Block> {
     pub ids: Vec<u32>,
     /// Items of each joint, as the colours have them.
-    pub items: Vec<[u32; 2]>,
+    items: Vec<[u32; 2]>,
     pub colors: ColorSets,
     /// By colour, the overflow last.
-    pub blocks: Vec<Vec<Block>>,
+    pub blocks: Vec<Vec<B>>,
+}
+
+impl<B: Clone + Default> Rows<B> {
+    /// Colours and empty blocks anew where the joints' items are others than they were; tells whether that was so. `bodies`: how many are awake.
+    pub fn arrange(&mut self, bodies: usize, items: impl Fn(u32) -> [u32; 2]) -> bool {
+        let now = self.ids.iter().map(|&id| items(id));
+        if self.colors.items() == bodies && self.items.iter().copied().eq(now.clone()) {
+            return false;
+        }
+        let now = now.collect();
+        self.items = now;
+        self.colors.reset(bodies);
+        for (i, [a, b]) in self.items.iter().enumerate() {
+            let pushed = self.colors.push(*a, *b, i as u32);
+            debug_assert!(pushed.is_some(), "a joint of a body with itself, or of none that moves");
+        }
+        self.blocks.resize(ColorSets::COLORS + 1, Vec::new());
+        for (color, blocks) in self.blocks.iter_mut().enumerate() {
+            blocks.clear();
+            blocks.resize(self.colors.rows(color).len().div_ceil(LANES), B::default());
+        }
+        true
+    }
+
+    /// The joint of a row.
+    pub fn id(&self, row: &Row) -> u32 {
+        self.ids[row.payload() as usize]
+    }
 }

@@ -2,14 +2,14 @@
 //!
 //! Written once over [`Lanes`]: one lane is the scalar reference, and every width gives its bits.
 
+use super::two::{Gather, Two, bearable_turn, softness};
 use super::{Block, Type};
 use crate::room::contacts::prepare::Softness;
 use crate::room::contacts::rows::{LANES, Wide3};
 use crate::room::joints::lanes::{Sym, WideQuat, bounded, clamped, inverse};
-use crate::room::joints::set::CALMING;
 use crate::room::rigid::state::BodyState;
 use core::ops::Range;
-use jounce_lanes::{Kernel, Lanes, Mask, Width, dispatch, three};
+use jounce_lanes::{Kernel, Lanes, Width, dispatch, three};
 use jounce_tasks::Scatter;
 
 /// Which pass of the substep.
@@ -81,37 +81,16 @@ impl Kernel for Sweep<'_, '_> {
             if pass == Pass::Last {
                 u.turn_back(block, at, kind);
             }
-            u.store(access, g);
+            u.two.store(access, g);
             done += L::WIDTH;
         }
     }
 }
 
-/// Rows `first..` of the colour, one per lane; lanes past `end` read a body at rest and write nothing.
-#[derive(Clone, Copy)]
-struct Gather {
-    first: usize,
-    end: usize,
-}
-
-/// Velocities of the two bodies of a joint, and where they are.
+/// The two bodies of a joint, and its frames.
 #[derive(Clone, Copy)]
 struct Pair<L> {
-    va: Wide3<L>,
-    wa: Wide3<L>,
-    vb: Wide3<L>,
-    wb: Wide3<L>,
-    /// Their places along x and y, which lie beside the velocities.
-    pa: [L; 2],
-    pb: [L; 2],
-    ma: L,
-    mb: L,
-    ta: Sym<L>,
-    tb: Sym<L>,
-    ra: Wide3<L>,
-    rb: Wide3<L>,
-    /// From anchor to anchor.
-    d: Wide3<L>,
+    two: Two<L, Sym<L>>,
     /// Joint frames.
     qa: WideQuat<L>,
     qb: WideQuat<L>,
@@ -128,120 +107,39 @@ struct End<L> {
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
     fn load(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather, pass: Pass) -> Self {
-        let a = L::gather8(
-            #[inline(always)]
-            |i| if g.first + i < g.end { &access.a(g.first + i).hot } else { &BodyState::FIXED.hot },
-        );
-        let b = L::gather8(
-            #[inline(always)]
-            |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
-        );
+        let mass = [L::load(&block.inv_mass[0][at..]), L::load(&block.inv_mass[1][at..])];
+        let turns = [Sym::load(&block.inertia[0], at), Sym::load(&block.inertia[1], at)];
+        let mut two = Two::load(access, g, mass, turns);
         if matches!(pass, Pass::Relax | Pass::Last) {
-            Self::follow(block, at, access, g, [[a[6], a[7]], [b[6], b[7]]]);
+            let [da, db] = two.follow(access, g, [&block.ra, &block.rb, &block.offset], at);
+            let now = &mut block.now;
+            two.ra.store(&mut now.ra, at);
+            two.rb.store(&mut now.rb, at);
+            two.d.store(&mut now.d, at);
+            da.times(WideQuat::load(&block.qa, at)).store(&mut now.qa, at);
+            db.times(WideQuat::load(&block.qb, at)).store(&mut now.qb, at);
+        } else {
+            let now = &block.now;
+            two.stands([Wide3::load(&now.ra, at), Wide3::load(&now.rb, at), Wide3::load(&now.d, at)]);
         }
         let now = &block.now;
-        Self {
-            va: Wide3::new(a[0], a[1], a[2]),
-            wa: Wide3::new(a[3], a[4], a[5]),
-            vb: Wide3::new(b[0], b[1], b[2]),
-            wb: Wide3::new(b[3], b[4], b[5]),
-            pa: [a[6], a[7]],
-            pb: [b[6], b[7]],
-            ma: L::load(&block.inv_mass[0][at..]),
-            mb: L::load(&block.inv_mass[1][at..]),
-            ta: Sym::load(&block.inertia[0], at),
-            tb: Sym::load(&block.inertia[1], at),
-            ra: Wide3::load(&now.ra, at),
-            rb: Wide3::load(&now.rb, at),
-            d: Wide3::load(&now.d, at),
-            qa: WideQuat::load(&now.qa, at),
-            qb: WideQuat::load(&now.qb, at),
-        }
+        Self { two, qa: WideQuat::load(&now.qa, at), qb: WideQuat::load(&now.qb, at) }
     }
 
-    /// Levers and frames where the bodies have moved to.
-    #[inline(always)]
-    fn follow(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather, p: [[L; 2]; 2]) {
-        let x = L::gather8(
-            #[inline(always)]
-            |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
-        );
-        let y = L::gather8(
-            #[inline(always)]
-            |i| if g.first + i < g.end { &access.b(g.first + i).motion } else { &BodyState::FIXED.motion },
-        );
-        let da = WideQuat { v: Wide3::new(x[4], x[5], x[6]), w: x[7] };
-        let db = WideQuat { v: Wide3::new(y[4], y[5], y[6]), w: y[7] };
-        let [pa, pb] = [Wide3::new(p[0][0], p[0][1], x[0]), Wide3::new(p[1][0], p[1][1], y[0])];
-        let (ra, rb) = (da.rotate(Wide3::load(&block.ra, at)), db.rotate(Wide3::load(&block.rb, at)));
-        let d = Wide3::<L>::load(&block.offset, at).add(pb.sub(pa)).add(rb.sub(ra));
-        ra.store(&mut block.now.ra, at);
-        rb.store(&mut block.now.rb, at);
-        d.store(&mut block.now.d, at);
-        da.times(WideQuat::load(&block.qa, at)).store(&mut block.now.qa, at);
-        db.times(WideQuat::load(&block.qb, at)).store(&mut block.now.qb, at);
-    }
-
-    #[inline(always)]
-    fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
-        let (v, w, p) = (self.va, self.wa, self.pa);
-        L::scatter8(
-            [v.x, v.y, v.z, w.x, w.y, w.z, p[0], p[1]],
-            #[inline(always)]
-            |i, hot| {
-                if g.first + i < g.end {
-                    let motion = access.a(g.first + i).motion;
-                    access.store_a(g.first + i, BodyState { hot, motion });
-                }
-            },
-        );
-        let (v, w, p) = (self.vb, self.wb, self.pb);
-        L::scatter8(
-            [v.x, v.y, v.z, w.x, w.y, w.z, p[0], p[1]],
-            #[inline(always)]
-            |i, hot| {
-                if g.first + i < g.end {
-                    let motion = access.b(g.first + i).motion;
-                    access.store_b(g.first + i, BodyState { hot, motion });
-                }
-            },
-        );
-    }
-
-    /// An impulse at the point, on B.
-    #[inline(always)]
-    fn push(&mut self, p: Wide3<L>) {
-        self.va = self.va.sub(p.scale(self.ma));
-        self.wa = self.wa.sub(self.ta.times(self.ra.cross(p)));
-        self.vb = self.vb.add(p.scale(self.mb));
-        self.wb = self.wb.add(self.tb.times(self.rb.cross(p)));
-    }
     /// A moment on B.
     #[inline(always)]
     fn turn(&mut self, l: Wide3<L>) {
-        self.wa = self.wa.sub(self.ta.times(l));
-        self.wb = self.wb.add(self.tb.times(l));
-    }
-    /// The part of an impulse at the point that changes neither body by more than a pass may.
-    #[inline(always)]
-    fn bearable(&self, p: Wide3<L>, k: &Constants) -> L {
-        let (wa, wb) = (self.ta.times(self.ra.cross(p)), self.tb.times(self.rb.cross(p)));
-        let (m, most) = (self.ma.max(self.mb), L::splat(k.speed_max));
-        within(p.dot(p) * (m * m) / (most * most)).min(bearable_turn(wa, wb, k))
+        self.two.turn(l);
     }
     /// The part of a moment on B that changes neither body by more than a pass may.
     #[inline(always)]
     fn bearable_turn(&self, l: Wide3<L>, k: &Constants) -> L {
-        bearable_turn(self.ta.times(l), self.tb.times(l), k)
-    }
-    /// Speed of the anchors against each other.
-    #[inline(always)]
-    fn slip(&self) -> Wide3<L> {
-        self.vb.add(self.wb.cross(self.rb)).sub(self.va.add(self.wa.cross(self.ra)))
+        let two = &self.two;
+        bearable_turn(two.ta.times(l), two.tb.times(l), k)
     }
     #[inline(always)]
     fn spin(&self) -> Wide3<L> {
-        self.wb.sub(self.wa)
+        self.two.wb.sub(self.two.wa)
     }
     #[inline(always)]
     fn relative(&self) -> WideQuat<L> {
@@ -269,7 +167,7 @@ impl<L: Lanes> Pair<L> {
     /// Cone, and both ends of the twist; `kind` hinge has no cone.
     #[inline(always)]
     fn ends(&self, block: &Block, at: usize, kind: Type) -> [End<L>; 3] {
-        let t = self.ta.plus(self.tb);
+        let t = self.two.ta.plus(self.two.tb);
         let zero = L::zero();
         let none = End { j: Wide3::new(zero, zero, zero), gap: zero, mass: zero };
         let mut out = [none; 3];
@@ -303,7 +201,7 @@ impl<L: Lanes> Pair<L> {
         let part = L::splat(k.warm);
         let p = Wide3::<L>::load(&block.point, at).scale(part);
         p.store(&mut block.point, at);
-        self.push(p);
+        self.two.push(p);
         let l = Wide3::<L>::load(&block.turn, at).scale(part);
         l.store(&mut block.turn, at);
         match kind {
@@ -355,7 +253,7 @@ impl<L: Lanes> Pair<L> {
         }
         self.hold_turns(block, at, kind, k, false);
         self.hold_point(block, at, k, false);
-        self.calm(k);
+        self.two.calm(k);
         self.account(block, at, kind, k);
     }
 
@@ -369,7 +267,7 @@ impl<L: Lanes> Pair<L> {
         let rest = WideQuat::load(&block.rest, at);
         let left = self.qa.conjugate().times(self.qb).times(rest.conjugate()).shorter().rotation_vector();
         let speed = Wide3::<L>::load(&block.pull_speed, at);
-        let t = self.ta.plus(self.tb);
+        let t = self.two.ta.plus(self.two.tb);
         let l = if kind == Type::Hinge {
             let j = self.twist();
             let mass = inverse(j.dot(t.times(j)));
@@ -393,7 +291,7 @@ impl<L: Lanes> Pair<L> {
         let max = L::load(&block.drive[at..]);
         let speed = Wide3::<L>::load(&block.drive_speed, at);
         let old = Wide3::<L>::load(&block.drive_impulse, at);
-        let t = self.ta.plus(self.tb);
+        let t = self.two.ta.plus(self.two.tb);
         if kind == Type::Hinge {
             let j = self.twist();
             let mass = inverse(j.dot(t.times(j)));
@@ -441,7 +339,7 @@ impl<L: Lanes> Pair<L> {
     #[inline(always)]
     fn hold_turns(&mut self, block: &mut Block, at: usize, kind: Type, k: &Constants, solving: bool) {
         let (scale, rate, fade) = softness::<L>(k, solving);
-        let t = self.ta.plus(self.tb);
+        let t = self.two.ta.plus(self.two.tb);
         match kind {
             Type::Ball => {}
             Type::Hinge => {
@@ -477,35 +375,8 @@ impl<L: Lanes> Pair<L> {
 
     #[inline(always)]
     fn hold_point(&mut self, block: &mut Block, at: usize, k: &Constants, solving: bool) {
-        let (scale, rate, fade) = softness::<L>(k, solving);
-        let d = bounded(self.d, L::splat(k.correct));
-        let v = self.slip().add(d.scale(rate));
-        let mut m = self.ta.moved_to(self.ra).plus(self.tb.moved_to(self.rb));
-        let both = self.ma + self.mb;
-        (m.xx, m.yy, m.zz) = (m.xx + both, m.yy + both, m.zz + both);
         let old = Wide3::<L>::load(&block.point, at);
-        let change = m.eased().solve(v).scale(-scale).sub(old.scale(fade));
-        let change = change.scale(self.bearable(change, k));
-        old.add(change).store(&mut block.point, at);
-        self.push(change);
-    }
-
-    /// Draws the velocities of two whose points are torn apart towards their mean, as sets do: rows with such levers are no longer
-    /// linear in a substep, and would drive the bodies round for ever.
-    #[inline(always)]
-    fn calm(&mut self, k: &Constants) {
-        let both = self.ma.min(self.mb).gt(L::zero());
-        let torn = self.d.dot(self.d).gt(L::splat(k.torn * k.torn)) & both;
-        if !torn.any() {
-            return;
-        }
-        let part = L::select(torn, L::splat(CALMING), L::zero());
-        let sum = L::select(both, self.ma + self.mb, L::splat(1.0));
-        let v = self.vb.sub(self.va).scale(part / sum);
-        self.va = self.va.add(v.scale(self.ma));
-        self.vb = self.vb.sub(v.scale(self.mb));
-        self.wa = self.wa.sub(self.wa.scale(part));
-        self.wb = self.wb.sub(self.wb.scale(part));
+        self.two.hold(old, k, solving).store(&mut block.point, at);
     }
 
     /// Impulses that are along the world's axes go to A's.
@@ -554,29 +425,5 @@ impl<L: Lanes> Pair<L> {
             now.store(&mut block.last[i][at..]);
         }
         broke.store(&mut block.broke[at..]);
-    }
-}
-
-/// The part of two changes of spin that a pass may make.
-#[inline(always)]
-fn bearable_turn<L: Lanes>(wa: Wide3<L>, wb: Wide3<L>, k: &Constants) -> L {
-    let most = L::splat(k.spin_max);
-    within(wa.dot(wa).max(wb.dot(wb)) / (most * most))
-}
-
-/// What a square that should not pass 1 is scaled down by; 0 where it is not finite.
-#[inline(always)]
-fn within<L: Lanes>(over: L) -> L {
-    let (zero, one) = (L::zero(), L::splat(1.0));
-    let part = one / over.max(one).sqrt();
-    L::select((over * zero).eq(zero), part, zero)
-}
-
-#[inline(always)]
-fn softness<L: Lanes>(k: &Constants, solving: bool) -> (L, L, L) {
-    if solving {
-        (L::splat(k.soft.mass_scale), L::splat(k.soft.bias_rate), L::splat(k.soft.impulse_scale))
-    } else {
-        (L::splat(1.0), L::zero(), L::zero())
     }
 }
