@@ -19,6 +19,7 @@ use crate::room::rigid::solve::{absorb, settle, turns_freely};
 use crate::room::rigid::state::{BodyState, InvInertia, NONE};
 use crate::world::World;
 use jounce_math::{DVec3, Vec3, scalar::f32s};
+use jounce_tasks::ColorSets;
 
 /// Memory that is reused from step to step and is not state.
 #[derive(Clone, Debug, Default)]
@@ -43,12 +44,14 @@ pub(crate) struct JointScratch {
     described: (u64, f32),
     pub(super) broke: Vec<(u32, f32, f32)>,
     wakes: Vec<u32>,
+    /// Rows of bodies on which contacts push.
+    touched: Vec<bool>,
 }
 
 impl JointScratch {
     fn forget_nets(&mut self) {
-        self.nets.iter_mut().for_each(|r| r.ids.clear());
-        self.points.ids.clear();
+        self.nets.iter_mut().for_each(Rows::clear);
+        self.points.clear();
     }
 }
 
@@ -113,6 +116,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
         }
     });
     alike::prepare(shared, &mut s.sets, &mut s.bands, &mut s.links, step);
+    find_pushed(shared, &mut s);
     nets::prepare(shared, &mut s, step, changed, still);
     world.scratch.joints = s;
 }
@@ -129,15 +133,39 @@ fn choose_nets(world: &World, s: &mut JointScratch, step: &Step, again: bool) ->
         return false;
     }
     s.forget_nets();
-    for joint in s.sets.iter().filter(|s| s.net).flat_map(|s| &s.joints) {
-        let desc = &world.joints.table[joint.id].desc;
-        if is_point(desc) {
-            s.points.ids.push(joint.id);
-        } else if let Some(kind) = Type::of(desc, step.constants.h) {
-            s.nets[kind as usize].ids.push(joint.id);
+    let JointScratch { sets, nets, points, .. } = s;
+    for (i, set) in sets.iter().enumerate().filter(|s| s.1.net) {
+        for joint in &set.joints {
+            let desc = &world.joints.table[joint.id].desc;
+            if is_point(desc) {
+                points.push(joint.id, i);
+            } else if let Some(kind) = Type::of(desc, step.constants.h) {
+                nets[kind as usize].push(joint.id, i);
+            }
         }
     }
     true
+}
+
+/// Which nets something else pushes in the substeps: contacts on any of their bodies, or vehicles, whose wheels stand anywhere.
+fn find_pushed(world: &World, s: &mut JointScratch) {
+    let JointScratch { sets, touched, .. } = s;
+    let (contacts, vehicles) = (!world.scratch.rows.is_empty(), !world.vehicles.is_empty());
+    if contacts && sets.iter().any(|s| s.net) {
+        touched.clear();
+        touched.resize(world.awake.state.len() + 1, false);
+        for color in 0..=ColorSets::COLORS {
+            for row in world.scratch.colors.rows(color) {
+                for i in [row.a(), row.b()].into_iter().filter_map(ColorSets::index) {
+                    touched[i] = true;
+                }
+            }
+        }
+    }
+    for set in sets.iter_mut().filter(|s| s.net) {
+        let pushed = |b: &Local| touched.get(world.frames[b.slot as usize].row as usize) == Some(&true);
+        set.pushed = vehicles || (contacts && set.bodies.iter().any(pushed));
+    }
 }
 
 /// Joints with an awake body, in slot order; and those of bodies that only go as they are led, where gears are on them.

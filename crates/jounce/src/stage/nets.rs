@@ -36,50 +36,47 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed:
         row if awake.step[row as usize].kind == BodyKind::Dynamic => row,
         row => ColorSets::shared(row),
     };
-    let items = |id: u32| {
+    // What is only read does not give way.
+    let inertia = |item: u32| awake.inertia.get(item as usize).unwrap_or(&InvInertia::FIXED);
+    let of = |id: u32| {
         let j = &world.joints.table[id];
-        [item(j.body_a), item(j.body_b)]
+        let bodies = [j.body_a, j.body_b];
+        (bodies, bodies.map(item))
     };
-    let inertia = |slot: u32| {
-        let row = world.frames[slot as usize].row as usize;
-        match awake.inertia.get(row) {
-            Some(t) if awake.step[row].kind == BodyKind::Dynamic => t,
-            _ => &InvInertia::FIXED,
-        }
-    };
-    let moved = (changed || !still) && s.points.arrange(awake.state.len(), items);
-    let Rows { ids, colors, blocks, .. } = &mut s.points;
+    let moved = (changed || !still) && s.points.arrange(awake.state.len(), of);
+    let sets = &s.sets;
+    let Rows { ids, sets: owners, bodies, items, colors, blocks } = &mut s.points;
     for (color, blocks) in blocks.iter_mut().enumerate() {
         let list = colors.rows(color);
         world.tasks.for_each(blocks, 4, |i, block| {
             let mut sources = [Source::NONE; LANES];
             for (l, (row, source)) in list[i * LANES..].iter().zip(&mut sources).enumerate() {
-                let j = &world.joints.table[ids[row.payload() as usize]];
-                let [a, b] = [j.body_a, j.body_b].map(|slot| &world.frames[slot as usize]);
+                let joint = row.payload() as usize;
+                let [a, b] = bodies[joint].map(|slot| &world.frames[slot as usize]);
                 if changed || moved {
-                    block.describe(l, j, [a.local_center, b.local_center]);
+                    block.describe(l, &world.joints.table[ids[joint]], [a.local_center, b.local_center]);
                 }
-                *source = Source::new(j, a, b, [inertia(j.body_a), inertia(j.body_b)]);
+                *source = Source::new(a, b, items[joint].map(inertia), sets[owners[joint] as usize].pushed);
             }
             block.begin(world.width, &sources);
         });
     }
     for (rows, kind) in s.nets.iter_mut().zip(Type::ALL) {
-        let moved = (changed || !still) && rows.arrange(awake.state.len(), items);
-        let Rows { ids, colors, blocks, .. } = rows;
+        let moved = (changed || !still) && rows.arrange(awake.state.len(), of);
+        let Rows { ids, items, colors, blocks, .. } = rows;
         for (color, blocks) in blocks.iter_mut().enumerate() {
             let list = colors.rows(color);
             world.tasks.for_each(blocks, 4, |i, block| {
-                let joints = list[i * LANES..].iter().take(LANES).map(|row| ids[row.payload() as usize]);
+                let joints = list[i * LANES..].iter().take(LANES).map(|row| row.payload() as usize);
                 if changed || moved {
                     (block.any_ends, block.any_pull, block.any_drive) = (false, false, false);
-                    for (l, id) in joints.clone().enumerate() {
-                        block.describe(l, kind, &world.joints.table[id].desc, step.constants.h);
+                    for (l, joint) in joints.clone().enumerate() {
+                        block.describe(l, kind, &world.joints.table[ids[joint]].desc, step.constants.h);
                     }
                 }
-                for (l, id) in joints.enumerate() {
-                    let j = &world.joints.table[id];
-                    let sides = [j.body_a, j.body_b].map(|slot| *inertia(slot)).map(|t| (t.inv_mass, t));
+                for (l, joint) in joints.enumerate() {
+                    let j = &world.joints.table[ids[joint]];
+                    let sides = items[joint].map(|i| (inertia(i).inv_mass, *inertia(i)));
                     block.begin(l, kind, j, &world.start(j), sides);
                 }
             });
@@ -104,7 +101,9 @@ fn sweep(world: &mut World, step: &Step, pass: Pass) {
             continue;
         }
         points.colors.scatter(color, &world.tasks, LANES, states, BodyState::FIXED, blocks, |access, rows, block| {
-            point::run(width, point::Sweep { pass, access, rows, block, lane: 0, constants: &k });
+            if pass != Pass::Answer || block.any_answers {
+                point::run(width, point::Sweep { pass, access, rows, block, lane: 0, constants: &k });
+            }
         });
     }
     if let Some(overflow) = points.blocks.get_mut(ColorSets::COLORS).filter(|_| !points.ids.is_empty()) {

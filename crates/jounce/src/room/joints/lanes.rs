@@ -140,6 +140,9 @@ const ATAN: [f32; 8] = [
     -0.004_668_773,
 ];
 
+/// Part of a block's trace that is added to its diagonal.
+pub(crate) const EASE: f32 = 1e-5;
+
 /// A symmetric matrix per lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Sym<L> {
@@ -272,11 +275,11 @@ impl<L: Lanes> Sym<L> {
         let f = self.xx * self.yy - self.xy * self.xy;
         Sym { xx: a, yy: d, zz: f, xy: b, xz: c, yz: e }.scale(inv)
     }
-    /// With 1e-5 of its trace on the diagonal: what is left along a lever of hundreds of metres is rounding in f32, of either sign, and
+    /// With [`EASE`] of its trace on the diagonal: what is left along a lever of hundreds of metres is rounding in f32, of either sign, and
     /// a row that yields by so little is as good.
     #[inline(always)]
     pub fn eased(self) -> Self {
-        let e = self.trace() * L::splat(1e-5);
+        let e = self.trace() * L::splat(EASE);
         Self { xx: self.xx + e, yy: self.yy + e, zz: self.zz + e, ..self }
     }
     /// T⁻¹ v; 0 where T is singular.

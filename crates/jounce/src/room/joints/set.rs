@@ -86,6 +86,8 @@ pub(crate) struct JointSet {
     pub links: Vec<Link>,
     /// It is solved as a net, in lanes: none of its joints and bodies is copied then.
     pub net: bool,
+    /// Something else pushes its bodies in the substeps (of nets).
+    pub pushed: bool,
     /// The kernels of nets know all its joints.
     pub known: bool,
 }

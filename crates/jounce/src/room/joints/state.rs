@@ -8,27 +8,29 @@ use jounce_math::{Pose, Vec3};
 use std::sync::Arc;
 
 /// A joint between two bodies.
+// What a step writes lies in front.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct Joint {
     pub body_a: u32,
     pub body_b: u32,
+    /// Impulses of the last substep on the rows that hold (iterative solver), and on the others.
+    pub hard: [f32; 6],
+    pub extra: Vec<f32>,
+    /// Size of force and torque in the last substep, for breaking.
+    pub last: [f32; 2],
+    /// Force, N, and torque about the anchor, N m, on B over the last step.
+    pub force: Vec3,
+    pub torque: Vec3,
+    /// Coordinate of the main axis when last seen (turns of a hinge are counted; length along a path), m or rad.
+    pub coordinate: f32,
+    pub enabled: bool,
+    pub broken: bool,
     /// In the bodies' own frames.
     pub frame_a: Pose,
     pub frame_b: Pose,
     pub desc: JointDesc,
     pub curve: Option<Arc<Curve>>,
-    pub enabled: bool,
-    pub broken: bool,
-    /// Impulses of the last substep on the rows that hold (iterative solver), and on the others.
-    pub hard: [f32; 6],
-    pub extra: Vec<f32>,
-    /// Coordinate of the main axis when last seen (turns of a hinge are counted; length along a path), m or rad.
-    pub coordinate: f32,
-    /// Force, N, and torque about the anchor, N m, on B over the last step.
-    pub force: Vec3,
-    pub torque: Vec3,
-    /// Size of both in the last substep, for breaking.
-    pub last: [f32; 2],
 }
 
 impl Joint {

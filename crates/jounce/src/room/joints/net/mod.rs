@@ -1,8 +1,8 @@
 //! Dense nets of joints, row by row, in lanes.
 //!
 //! What has more loops than a direct solve bears (flags of chain mail, grids, walls laid in mortar), and what asks for it, gets what contacts
-//! get: soft rows (`Settings::joint_hertz`, `joint_damping_ratio`), impulses of the last substep to start from, two biased passes and a
-//! relaxing one a substep, in colours of joints that share no moving body.
+//! get: soft rows (`Settings::joint_hertz`, `joint_damping_ratio`), impulses of the last substep to start from, a biased pass before contacts
+//! and one after them, and a relaxing one a substep, in colours of joints that share no moving body.
 //!
 //! Four types, each with a kernel and blocks of its own:
 //!
@@ -162,23 +162,29 @@ pub(crate) const NO_CONE: f32 = -2.0;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Rows<B = Block> {
     pub ids: Vec<u32>,
-    /// Items of each joint, as the colours have them.
-    items: Vec<[u32; 2]>,
+    /// The set of each joint.
+    pub sets: Vec<u32>,
+    /// Bodies of each joint, and items of these as the colours have them.
+    pub bodies: Vec<[u32; 2]>,
+    pub items: Vec<[u32; 2]>,
     pub colors: ColorSets,
     /// By colour, the overflow last.
     pub blocks: Vec<Vec<B>>,
 }
 
 impl<B: Clone + Default> Rows<B> {
-    /// Colours and empty blocks anew where the joints' items are others than they were; tells whether that was so. `bodies`: how many are awake.
-    pub fn arrange(&mut self, bodies: usize, items: impl Fn(u32) -> [u32; 2]) -> bool {
-        let now = self.ids.iter().map(|&id| items(id));
-        if self.colors.items() == bodies && self.items.iter().copied().eq(now.clone()) {
+    /// Colours and empty blocks anew where the joints' items are others than they were; tells whether that was so. `of`: bodies of a joint, and
+    /// their items; `awake`: how many bodies are.
+    pub fn arrange(&mut self, awake: usize, of: impl Fn(u32) -> ([u32; 2], [u32; 2])) -> bool {
+        let now = self.ids.iter().map(|&id| of(id));
+        self.bodies.clear();
+        self.bodies.extend(now.clone().map(|n| n.0));
+        if self.colors.items() == awake && self.items.iter().copied().eq(now.clone().map(|n| n.1)) {
             return false;
         }
-        let now = now.collect();
+        let now = now.map(|n| n.1).collect();
         self.items = now;
-        self.colors.reset(bodies);
+        self.colors.reset(awake);
         for (i, [a, b]) in self.items.iter().enumerate() {
             let pushed = self.colors.push(*a, *b, i as u32);
             debug_assert!(pushed.is_some(), "a joint of a body with itself, or of none that moves");
@@ -189,6 +195,16 @@ impl<B: Clone + Default> Rows<B> {
             blocks.resize(self.colors.rows(color).len().div_ceil(LANES), B::default());
         }
         true
+    }
+
+    pub fn clear(&mut self) {
+        self.ids.clear();
+        self.sets.clear();
+    }
+
+    pub fn push(&mut self, id: u32, set: usize) {
+        self.ids.push(id);
+        self.sets.push(set as u32);
     }
 
     /// The joint of a row.

@@ -6,12 +6,12 @@ use super::solve::{Constants, Pass};
 use super::two::{Gather, Round, Turns, Two};
 use crate::room::contacts::rows::{LANES, Lane, LaneVec, Wide3};
 use crate::room::joints::desc::{JointDesc, JointKind};
-use crate::room::joints::lanes::{Sym, WideQuat};
+use crate::room::joints::lanes::{EASE, Sym, WideQuat, select3};
 use crate::room::joints::parts::set_quat;
 use crate::room::joints::state::Joint;
 use crate::room::rigid::state::{BodyFrame, BodyState, InvInertia};
 use core::ops::Range;
-use jounce_lanes::{Kernel, Lanes, Width, dispatch};
+use jounce_lanes::{Kernel, Lanes, Mask, Width, dispatch};
 use jounce_math::Vec3;
 use jounce_tasks::Scatter;
 
@@ -21,6 +21,10 @@ pub(crate) fn is_point(d: &JointDesc) -> bool {
     let plain = b.cone.is_none() && b.twist.is_none() && b.motor.is_none() && b.friction <= 0.0;
     plain && d.break_force == f32::INFINITY && d.break_torque == f32::INFINITY
 }
+
+/// A pass takes a point's error back but for this part of its block's trace that the block is eased by, of what is left along the lever. Where that is
+/// more than [`EASED`] of it, as on levers of many times what the body is long, the point needs a second pass.
+const EASED: f32 = 0.01;
 
 /// [`LANES`] joints of one colour, each field an array over them. Lanes without a joint are zero and change nothing.
 #[derive(Clone, Debug)]
@@ -41,6 +45,9 @@ pub(crate) struct PointBlock {
     last: Lane,
     /// A's joint frame as the step began.
     qa: [Lane; 4],
+    /// 1 where there is a second biased pass; and whether that is anywhere.
+    answers: Lane,
+    pub any_answers: bool,
     /// Anchors from the centres of mass, and A's joint frame: in the bodies' own axes.
     anchors: [LaneVec; 2],
     frame: [Lane; 4],
@@ -61,6 +68,8 @@ impl Default for PointBlock {
             force: V,
             last: Z,
             qa: [Z, Z, Z, [1.0; LANES]],
+            answers: Z,
+            any_answers: false,
             anchors: [V; 2],
             frame: [Z, Z, Z, [1.0; LANES]],
             inertia: [[Z; 6]; 2],
@@ -69,12 +78,12 @@ impl Default for PointBlock {
     }
 }
 
-/// What a step asks of a joint and its bodies, in rows that lanes load.
+/// What a step asks of the bodies of a joint, in rows that lanes load.
 #[derive(Clone, Copy)]
 pub(crate) struct Source<'a> {
-    /// Rotations of both bodies.
+    /// Rotations of both.
     turns: [f32; 8],
-    /// From A to B, and the impulse in A's axes.
+    /// From A to B; 1 where something pushes the set.
     offset: [f32; 8],
     inertia: [&'a InvInertia; 2],
 }
@@ -85,28 +94,29 @@ impl<'a> Source<'a> {
         offset: [0.0; 8],
         inertia: [&InvInertia::FIXED; 2],
     };
-    pub fn new(j: &Joint, a: &BodyFrame, b: &BodyFrame, inertia: [&'a InvInertia; 2]) -> Self {
+    pub fn new(a: &BodyFrame, b: &BodyFrame, inertia: [&'a InvInertia; 2], pushed: bool) -> Self {
         let (p, q, d) = (a.rotation, b.rotation, (b.center - a.center).as_vec3());
         Self {
             turns: [p.x, p.y, p.z, p.w, q.x, q.y, q.z, q.w],
-            offset: [d.x, d.y, d.z, j.hard[0], j.hard[1], j.hard[2], 0.0, 0.0],
+            offset: [d.x, d.y, d.z, f32::from(u8::from(pushed)), 0.0, 0.0, 0.0, 0.0],
             inertia,
         }
     }
 }
 
 impl PointBlock {
-    /// What a joint is, in lane `l`; the bodies' centres of mass in their own axes.
+    /// What a joint is, in lane `l`, and the impulse that it starts from; the bodies' centres of mass in their own axes.
     pub fn describe(&mut self, l: usize, j: &Joint, centers: [Vec3; 2]) {
         self.anchors[0].set(l, j.frame_a.p - centers[0]);
         self.anchors[1].set(l, j.frame_b.p - centers[1]);
         set_quat(&mut self.frame, l % LANES, j.frame_a.q);
+        self.impulse.set(l, Vec3::new(j.hard[0], j.hard[1], j.hard[2]));
     }
 
-    /// Where the joints stand as a step starts, and the impulses that they start from.
+    /// Where the joints stand as a step starts. Impulses are those that the last step left (the records have the same).
     pub fn begin(&mut self, width: Width, sources: &[Source<'_>; LANES]) {
         self.is_round = sources.iter().all(|s| s.inertia.iter().all(|t| t.is_round()));
-        dispatch(width, Begin { block: self, sources });
+        self.any_answers = dispatch(width, Begin { block: self, sources });
     }
 
     /// Lane `l` back to the joint. The last pass has left its impulse along A's axes.
@@ -125,10 +135,12 @@ struct Begin<'a> {
 }
 
 impl Kernel for Begin<'_> {
-    type Output = ();
+    /// Is there a second biased pass for any?
+    type Output = bool;
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn run<L: Lanes>(self) -> bool {
         let Self { block, sources } = self;
+        let mut any = false;
         for at in (0..LANES).step_by(L::WIDTH) {
             let q = L::gather8(
                 #[inline(always)]
@@ -150,23 +162,31 @@ impl Kernel for Begin<'_> {
             }
             let qa = a.times(WideQuat::load(&block.frame, at)).normalized();
             qa.store(&mut block.qa, at);
-            qa.rotate(Wide3::new(o[3], o[4], o[5])).store(&mut block.impulse, at);
+            qa.rotate(Wide3::load(&block.impulse, at)).store(&mut block.impulse, at);
             Wide3::new(L::zero(), L::zero(), L::zero()).store(&mut block.force, at);
-            for side in 0..2 {
+            let mut give = [L::zero(); 2];
+            for (side, r) in [ra, rb].into_iter().enumerate() {
                 let t = L::gather8_of(
                     #[inline(always)]
                     |i| sources[at + i].inertia[side].lanes(),
                 );
                 t[6].store(&mut block.inv_mass[side][at..]);
+                let turns = Sym { xx: t[0], yy: t[1], zz: t[2], xy: t[3], xz: t[4], yz: t[5] };
                 if block.is_round {
                     t[0].store(&mut block.round[side][at..]);
                 } else {
-                    for (to, from) in block.inertia[side].iter_mut().zip(t) {
-                        from.store(&mut to[at..]);
-                    }
+                    turns.store(&mut block.inertia[side], at);
                 }
+                give = [give[0] + t[6], give[1] + turns.moved_to(r).trace()];
             }
+            let [along, around] = give;
+            let trace = L::splat(3.0) * along + around;
+            let stiff = (trace * L::splat(EASE)).gt(along * L::splat(EASED));
+            let answers = o[3].gt(L::zero()) | stiff;
+            any |= answers.any();
+            L::select(answers, L::splat(1.0), L::zero()).store(&mut block.answers[at..]);
         }
+        any
     }
 }
 
@@ -250,7 +270,15 @@ fn go<L: Lanes, T: Turns<L>>(
             u.push(p);
             p.store(&mut block.impulse, at);
         } else {
-            u.hold(old, k, true).store(&mut block.impulse, at);
+            let before = u;
+            let p = u.hold(old, k, true);
+            if pass == Pass::Answer {
+                let answers = L::load(&block.answers[at..]).gt(L::zero());
+                u.keep(answers, &before);
+                select3(answers, p, old).store(&mut block.impulse, at);
+            } else {
+                p.store(&mut block.impulse, at);
+            }
         }
     }
     u.store(access, g);

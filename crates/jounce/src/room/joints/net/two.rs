@@ -2,7 +2,7 @@
 
 use super::solve::Constants;
 use crate::room::contacts::rows::{LaneVec, Wide3};
-use crate::room::joints::lanes::{Sym, WideQuat, bounded};
+use crate::room::joints::lanes::{Sym, WideQuat, bounded, select3};
 use crate::room::joints::set::CALMING;
 use crate::room::rigid::state::BodyState;
 use jounce_lanes::{Lanes, Mask};
@@ -209,6 +209,15 @@ impl<L: Lanes, T: Turns<L>> Two<L, T> {
             self.push(change);
         }
         old.add(change)
+    }
+
+    /// Velocities as before in the lanes that are not meant.
+    #[inline(always)]
+    pub fn keep(&mut self, meant: L::Mask, before: &Self) {
+        self.va = select3(meant, self.va, before.va);
+        self.wa = select3(meant, self.wa, before.wa);
+        self.vb = select3(meant, self.vb, before.vb);
+        self.wb = select3(meant, self.wb, before.wb);
     }
 
     /// Draws the velocities of two whose points are torn apart towards their mean, as sets do: rows with such levers are no longer
