@@ -316,6 +316,48 @@ impl<T: Copy> Scatter<'_, T> {
         (*self.read(row.a), *self.read(row.b))
     }
 
+    /// Both items of the rows `row .. row + n`, or `fixed` past the last row and `N`: one check for all of them.
+    #[inline(always)]
+    pub fn gather<const N: usize>(&self, row: usize, n: usize) -> [[&T; 2]; N] {
+        let mut items = [[self.fixed; 2]; N];
+        let rows = &self.rows[row.wrapping_sub(self.first)..];
+        let n = n.min(N);
+        if let Some(rows) = rows.get(..n) {
+            for i in 0..n {
+                items[i] = [self.read(rows[i].a), self.read(rows[i].b)];
+            }
+        } else {
+            for (items, row) in items.iter_mut().zip(rows) {
+                *items = [self.read(row.a), self.read(row.b)];
+            }
+        }
+        items
+    }
+
+    /// The same to be written; `None` also where an item is shared or [`ColorSets::NONE`].
+    #[inline(always)]
+    pub fn gather_mut<const N: usize>(&mut self, row: usize, n: usize) -> [[Option<&mut T>; 2]; N] {
+        let mut items = [const { [None, None] }; N];
+        let rows = &self.rows[row.wrapping_sub(self.first)..];
+        let base = self.items;
+        let of = |item: u32| {
+            // SAFETY: `item` comes from a row of this unit and is written by no other row of the colour, nor by the other side of its own; no
+            // other reference to it is alive, because those borrow `self`, which these do as well.
+            (item & SHARED == 0).then(|| unsafe { &mut *base.add(item as usize) })
+        };
+        let n = n.min(N);
+        if let Some(rows) = rows.get(..n) {
+            for i in 0..n {
+                items[i] = [of(rows[i].a), of(rows[i].b)];
+            }
+        } else {
+            for (items, row) in items.iter_mut().zip(rows) {
+                *items = [of(row.a), of(row.b)];
+            }
+        }
+        items
+    }
+
     /// Writes the first item of a row; nothing happens where it is shared or [`ColorSets::NONE`].
     #[inline]
     pub fn store_a(&mut self, row: usize, value: T) {

@@ -13,6 +13,9 @@ const TOGETHER: f32 = 0.5;
 
 /// Once contacts have their rows.
 pub(crate) fn part(world: &mut World, step: &Step) {
+    if world.scratch.rows.is_empty() {
+        return;
+    }
     let mut owners = core::mem::take(&mut world.scratch.siblings);
     mark(world, step, &mut owners);
     if !owners.is_empty() {

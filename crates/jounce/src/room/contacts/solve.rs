@@ -64,34 +64,27 @@ impl Kernel for Sweep<'_, '_> {
         let Self { pass, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
-            let lanes = Gather { first: rows.start + done, end: rows.end };
+            let row = rows.start + done;
             let at = lane + done;
             match pass {
-                Pass::Warm => warm_start::<L>(block, at, access, lanes),
+                Pass::Warm => warm_start::<L>(block, at, access, row),
                 // The passes that are made again and again know how many points they go over.
                 Pass::Solve => match block.points_max {
-                    0 | 1 => solve::<L, 1>(block, at, access, lanes, constants),
-                    2 => solve::<L, 2>(block, at, access, lanes, constants),
-                    _ => solve::<L, 4>(block, at, access, lanes, constants),
+                    0 | 1 => solve::<L, 1>(block, at, access, row, constants),
+                    2 => solve::<L, 2>(block, at, access, row, constants),
+                    _ => solve::<L, 4>(block, at, access, row, constants),
                 },
                 Pass::Relax => match block.points_max {
-                    0 | 1 => relax::<L, 1>(block, at, access, lanes, constants),
-                    2 => relax::<L, 2>(block, at, access, lanes, constants),
-                    _ => relax::<L, 4>(block, at, access, lanes, constants),
+                    0 | 1 => relax::<L, 1>(block, at, access, row, constants),
+                    2 => relax::<L, 2>(block, at, access, row, constants),
+                    _ => relax::<L, 4>(block, at, access, row, constants),
                 },
-                Pass::Compress => restitution::<L>(block, at, access, lanes, false),
-                Pass::Restitution => restitution::<L>(block, at, access, lanes, true),
+                Pass::Compress => restitution::<L>(block, at, access, row, false),
+                Pass::Restitution => restitution::<L>(block, at, access, row, true),
             }
             done += L::WIDTH;
         }
     }
-}
-
-/// Rows `first..` of the colour, one per lane; lanes past `end` read a body at rest and write nothing.
-#[derive(Clone, Copy)]
-struct Gather {
-    first: usize,
-    end: usize,
 }
 
 /// n, t₁, t₂, and the arms to the friction centre.
@@ -146,14 +139,15 @@ struct Pair<L> {
 
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
-    fn load(block: &Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather) -> Self {
+    fn load(block: &Block, at: usize, access: &Scatter<'_, BodyState>, row: usize) -> Self {
+        let bodies = access.gather::<LANES>(row, L::WIDTH);
         let a = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.a(g.first + i).hot } else { &BodyState::FIXED.hot },
+            |i| &bodies[i][0].hot,
         );
         let b = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
+            |i| &bodies[i][1].hot,
         );
         Self {
             va: Wide3::new(a[0], a[1], a[2]),
@@ -176,29 +170,30 @@ impl<L: Lanes> Pair<L> {
     }
     /// The same of the ways since the start of the step.
     #[inline(always)]
-    fn moved(&self, f: &Frame<L>, access: &Scatter<'_, BodyState>, g: Gather) -> Relative<L> {
+    fn moved(&self, f: &Frame<L>, access: &Scatter<'_, BodyState>, row: usize) -> Relative<L> {
+        let bodies = access.gather::<LANES>(row, L::WIDTH);
         let a = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
+            |i| &bodies[i][0].motion,
         );
         let b = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.b(g.first + i).motion } else { &BodyState::FIXED.motion },
+            |i| &bodies[i][1].motion,
         );
         let (ta, tb) = (Wide3::new(a[1], a[2], a[3]), Wide3::new(b[1], b[2], b[3]));
         let dp = Wide3::new(self.pb[0] - self.pa[0], self.pb[1] - self.pa[1], b[0] - a[0]);
         Relative { v: dp.add(tb.cross(f.rb)).sub(ta.cross(f.ra)), w: tb.sub(ta) }
     }
     #[inline(always)]
-    fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
+    fn store(self, access: &mut Scatter<'_, BodyState>, row: usize) {
+        let mut bodies = access.gather_mut::<LANES>(row, L::WIDTH);
         let (a, b) = (self.va, self.vb);
         L::scatter8(
             [a.x, a.y, a.z, self.wa.x, self.wa.y, self.wa.z, self.pa[0], self.pa[1]],
             #[inline(always)]
             |i, hot| {
-                if g.first + i < g.end {
-                    let motion = access.a(g.first + i).motion;
-                    access.store_a(g.first + i, BodyState { hot, motion });
+                if let Some(body) = &mut bodies[i][0] {
+                    body.hot = hot;
                 }
             },
         );
@@ -206,9 +201,8 @@ impl<L: Lanes> Pair<L> {
             [b.x, b.y, b.z, self.wb.x, self.wb.y, self.wb.z, self.pb[0], self.pb[1]],
             #[inline(always)]
             |i, hot| {
-                if g.first + i < g.end {
-                    let motion = access.b(g.first + i).motion;
-                    access.store_b(g.first + i, BodyState { hot, motion });
+                if let Some(body) = &mut bodies[i][1] {
+                    body.hot = hot;
                 }
             },
         );
@@ -268,9 +262,9 @@ impl<L: Lanes> Sum<L> {
 }
 
 #[inline(always)]
-fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, g: Gather) {
+fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, BodyState>, row: usize) {
     let f = Frame::<L>::load(block, at);
-    let mut u = Pair::load(block, at, access, g);
+    let mut u = Pair::load(block, at, access, row);
     let mut sum = Sum::nothing();
     for i in 0..block.points_max.min(4) {
         let p = &block.points[i];
@@ -285,7 +279,7 @@ fn warm_start<L: Lanes>(block: &mut Block, at: usize, access: &mut Scatter<'_, B
         moment = moment.add(Wide3::load(&block.rolling_impulse, at));
     }
     u.push(&f, block, at, f.n.scale(sum.force).add(friction), moment);
-    u.store(access, g);
+    u.store(access, row);
 }
 
 /// Numbers of the soft rows, lane by lane.
@@ -319,12 +313,12 @@ fn solve<L: Lanes, const N: usize>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
-    g: Gather,
+    row: usize,
     k: &StepConstants,
 ) {
     let f = Frame::<L>::load(block, at);
-    let mut u = Pair::load(block, at, access, g);
-    let moved = f.at_points::<N>(block, at, N, &u.moved(&f, access, g));
+    let mut u = Pair::load(block, at, access, row);
+    let moved = f.at_points::<N>(block, at, N, &u.moved(&f, access, row));
     let mut speeds = f.at_points::<N>(block, at, N, &u.relative(&f));
     let (zero, one) = (L::zero(), L::splat(1.0));
     let share = L::load(&block.share[at..]);
@@ -348,7 +342,7 @@ fn solve<L: Lanes, const N: usize>(
         sum.add(block, at, i, new - old, &mut speeds);
     }
     u.push_points(&f, block, at, &sum);
-    u.store(access, g);
+    u.store(access, row);
 }
 
 /// Points without mass are none, or another's (`stage::articulated`): they keep what they have.
@@ -362,12 +356,12 @@ fn relax<L: Lanes, const N: usize>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
-    g: Gather,
+    row: usize,
     k: &StepConstants,
 ) {
     let f = Frame::<L>::load(block, at);
-    let mut u = Pair::load(block, at, access, g);
-    let moved = f.at_points::<N>(block, at, N, &u.moved(&f, access, g));
+    let mut u = Pair::load(block, at, access, row);
+    let moved = f.at_points::<N>(block, at, N, &u.moved(&f, access, row));
     let mut speeds = f.at_points::<N>(block, at, N, &u.relative(&f));
     let zero = L::zero();
     let (inv_h, most) = (L::splat(k.inv_h), L::splat(SPEED_MOST));
@@ -393,7 +387,7 @@ fn relax<L: Lanes, const N: usize>(
         rolling(block, at, &mut u, limit);
     }
     friction(block, at, &mut u, &f, mu * total);
-    u.store(access, g);
+    u.store(access, row);
 }
 
 #[inline(always)]
@@ -474,11 +468,11 @@ fn restitution<L: Lanes>(
     block: &mut Block,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
-    g: Gather,
+    row: usize,
     back: bool,
 ) {
     let f = Frame::<L>::load(block, at);
-    let mut u = Pair::load(block, at, access, g);
+    let mut u = Pair::load(block, at, access, row);
     let count = block.points_max.min(4);
     let mut speeds = f.at_points::<4>(block, at, count, &u.relative(&f));
     let zero = L::zero();
@@ -518,5 +512,5 @@ fn restitution<L: Lanes>(
     change.store(&mut block.rebound_change[at..]);
     u.push_points(&f, block, at, &sum);
     rebound_friction(block, at, &mut u, &f, added);
-    u.store(access, g);
+    u.store(access, row);
 }

@@ -3,7 +3,7 @@
 //! bodies that turn alike about all axes.
 
 use super::solve::{Constants, Pass};
-use super::two::{Gather, Round, Turns, Two};
+use super::two::{Round, Turns, Two};
 use crate::room::contacts::rows::{LANES, Lane, LaneVec, Wide3};
 use crate::room::joints::desc::{JointDesc, JointKind};
 use crate::room::joints::lanes::{EASE, Sym, WideQuat, select3};
@@ -219,14 +219,14 @@ impl Kernel for Sweep<'_, '_> {
         let Self { pass, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
-            let g = Gather { first: rows.start + done, end: rows.end };
+            let row = rows.start + done;
             let at = lane + done;
             if block.is_round {
                 let turns = [Round::<L>(L::load(&block.round[0][at..])), Round(L::load(&block.round[1][at..]))];
-                go(pass, block, at, access, g, turns, constants);
+                go(pass, block, at, access, row, turns, constants);
             } else {
                 let turns = [Sym::<L>::load(&block.inertia[0], at), Sym::load(&block.inertia[1], at)];
-                go(pass, block, at, access, g, turns, constants);
+                go(pass, block, at, access, row, turns, constants);
             }
             done += L::WIDTH;
         }
@@ -239,16 +239,16 @@ fn go<L: Lanes, T: Turns<L>>(
     block: &mut PointBlock,
     at: usize,
     access: &mut Scatter<'_, BodyState>,
-    g: Gather,
+    row: usize,
     turns: [T; 2],
     k: &Constants,
 ) {
     let mass = [L::load(&block.inv_mass[0][at..]), L::load(&block.inv_mass[1][at..])];
-    let mut u = Two::<L, T>::load(access, g, mass, turns);
+    let mut u = Two::<L, T>::load(access, row, mass, turns);
     let old = Wide3::<L>::load(&block.impulse, at);
     if matches!(pass, Pass::Relax | Pass::Last) {
         let [ra, rb, offset] = &block.start;
-        let [da, _] = u.follow(access, g, [ra, rb, offset], at);
+        let [da, _] = u.follow(access, row, [ra, rb, offset], at);
         let p = u.hold(old, k, false);
         u.calm(k);
         Wide3::load(&block.force, at).add(p).store(&mut block.force, at);
@@ -281,5 +281,5 @@ fn go<L: Lanes, T: Turns<L>>(
             }
         }
     }
-    u.store(access, g);
+    u.store(access, row);
 }

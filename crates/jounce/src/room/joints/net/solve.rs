@@ -2,7 +2,7 @@
 //!
 //! Written once over [`Lanes`]: one lane is the scalar reference, and every width gives its bits.
 
-use super::two::{Gather, Two, bearable_turn, softness};
+use super::two::{Two, bearable_turn, softness};
 use super::{Block, Type};
 use crate::room::contacts::prepare::Softness;
 use crate::room::contacts::rows::{LANES, Wide3};
@@ -69,9 +69,9 @@ impl Kernel for Sweep<'_, '_> {
         let Self { pass, kind, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
-            let g = Gather { first: rows.start + done, end: rows.end };
+            let row = rows.start + done;
             let at = lane + done;
-            let mut u = Pair::<L>::load(block, at, access, g, pass);
+            let mut u = Pair::<L>::load(block, at, access, row, pass);
             match pass {
                 Pass::Warm => u.warm(block, at, kind, constants),
                 Pass::Solve => u.solve(block, at, kind, constants, true),
@@ -81,7 +81,7 @@ impl Kernel for Sweep<'_, '_> {
             if pass == Pass::Last {
                 u.turn_back(block, at, kind);
             }
-            u.two.store(access, g);
+            u.two.store(access, row);
             done += L::WIDTH;
         }
     }
@@ -106,12 +106,12 @@ struct End<L> {
 
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
-    fn load(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, g: Gather, pass: Pass) -> Self {
+    fn load(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, row: usize, pass: Pass) -> Self {
         let mass = [L::load(&block.inv_mass[0][at..]), L::load(&block.inv_mass[1][at..])];
         let turns = [Sym::load(&block.inertia[0], at), Sym::load(&block.inertia[1], at)];
-        let mut two = Two::load(access, g, mass, turns);
+        let mut two = Two::load(access, row, mass, turns);
         if matches!(pass, Pass::Relax | Pass::Last) {
-            let [da, db] = two.follow(access, g, [&block.ra, &block.rb, &block.offset], at);
+            let [da, db] = two.follow(access, row, [&block.ra, &block.rb, &block.offset], at);
             let now = &mut block.now;
             two.ra.store(&mut now.ra, at);
             two.rb.store(&mut now.rb, at);

@@ -1,19 +1,12 @@
 //! Two bodies whose anchors are one point, per lane; equations and symbols are in the text of [`super`].
 
 use super::solve::Constants;
-use crate::room::contacts::rows::{LaneVec, Wide3};
+use crate::room::contacts::rows::{LANES, LaneVec, Wide3};
 use crate::room::joints::lanes::{Sym, WideQuat, bounded, select3};
 use crate::room::joints::set::CALMING;
 use crate::room::rigid::state::BodyState;
 use jounce_lanes::{Lanes, Mask};
 use jounce_tasks::Scatter;
-
-/// Rows `first..` of the colour, one per lane; lanes past `end` read a body at rest and write nothing.
-#[derive(Clone, Copy)]
-pub(super) struct Gather {
-    pub first: usize,
-    pub end: usize,
-}
 
 /// How bodies turn.
 pub(super) trait Turns<L>: Copy {
@@ -70,16 +63,18 @@ pub(super) struct Two<L, T> {
 }
 
 impl<L: Lanes, T: Turns<L>> Two<L, T> {
-    /// Velocities of bodies, their inverse masses and how they turn.
+    /// Velocities of the bodies of rows `row..` of the colour, one per lane, their inverse masses and how they turn. Lanes past the last row read a
+    /// body at rest.
     #[inline(always)]
-    pub fn load(access: &Scatter<'_, BodyState>, g: Gather, [ma, mb]: [L; 2], [ta, tb]: [T; 2]) -> Self {
+    pub fn load(access: &Scatter<'_, BodyState>, row: usize, [ma, mb]: [L; 2], [ta, tb]: [T; 2]) -> Self {
+        let bodies = access.gather::<LANES>(row, L::WIDTH);
         let a = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.a(g.first + i).hot } else { &BodyState::FIXED.hot },
+            |i| &bodies[i][0].hot,
         );
         let b = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.b(g.first + i).hot } else { &BodyState::FIXED.hot },
+            |i| &bodies[i][1].hot,
         );
         let zero = Wide3::new(L::zero(), L::zero(), L::zero());
         Self {
@@ -110,17 +105,18 @@ impl<L: Lanes, T: Turns<L>> Two<L, T> {
     pub fn follow(
         &mut self,
         access: &Scatter<'_, BodyState>,
-        g: Gather,
+        row: usize,
         [ra, rb, offset]: [&LaneVec; 3],
         at: usize,
     ) -> [WideQuat<L>; 2] {
+        let bodies = access.gather::<LANES>(row, L::WIDTH);
         let x = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.a(g.first + i).motion } else { &BodyState::FIXED.motion },
+            |i| &bodies[i][0].motion,
         );
         let y = L::gather8(
             #[inline(always)]
-            |i| if g.first + i < g.end { &access.b(g.first + i).motion } else { &BodyState::FIXED.motion },
+            |i| &bodies[i][1].motion,
         );
         let da = WideQuat { v: Wide3::new(x[4], x[5], x[6]), w: x[7] };
         let db = WideQuat { v: Wide3::new(y[4], y[5], y[6]), w: y[7] };
@@ -132,15 +128,15 @@ impl<L: Lanes, T: Turns<L>> Two<L, T> {
     }
 
     #[inline(always)]
-    pub fn store(self, access: &mut Scatter<'_, BodyState>, g: Gather) {
+    pub fn store(self, access: &mut Scatter<'_, BodyState>, row: usize) {
+        let mut bodies = access.gather_mut::<LANES>(row, L::WIDTH);
         let (v, w, p) = (self.va, self.wa, self.pa);
         L::scatter8(
             [v.x, v.y, v.z, w.x, w.y, w.z, p[0], p[1]],
             #[inline(always)]
             |i, hot| {
-                if g.first + i < g.end {
-                    let motion = access.a(g.first + i).motion;
-                    access.store_a(g.first + i, BodyState { hot, motion });
+                if let Some(body) = &mut bodies[i][0] {
+                    body.hot = hot;
                 }
             },
         );
@@ -149,9 +145,8 @@ impl<L: Lanes, T: Turns<L>> Two<L, T> {
             [v.x, v.y, v.z, w.x, w.y, w.z, p[0], p[1]],
             #[inline(always)]
             |i, hot| {
-                if g.first + i < g.end {
-                    let motion = access.b(g.first + i).motion;
-                    access.store_b(g.first + i, BodyState { hot, motion });
+                if let Some(body) = &mut bodies[i][1] {
+                    body.hot = hot;
                 }
             },
         );
