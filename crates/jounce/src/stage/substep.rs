@@ -105,8 +105,10 @@ impl Bodies {
             todo.change(states, pushed, drives);
             if todo.go {
                 dispatch(width, Go { states, ways, h, speed_most });
-                for (i, s) in states.iter_mut().enumerate().filter(|(i, _)| ways[*i].alone) {
-                    integrate_position(s, &steps[first + i], &mut turning[i], bodies, frames, &sub);
+                for ((i, s), way) in states.iter_mut().enumerate().zip(ways) {
+                    if way.goes_alone(s, h) {
+                        integrate_position(s, &steps[first + i], &mut turning[i], bodies, frames, &sub);
+                    }
                 }
             }
             todo.keep(states, pushed);

@@ -2,7 +2,7 @@
 //!
 //! Several of these stand one after the other where nothing else acts in between. They are done in one pass over the bodies then ([`Todo`]): a
 //! pass costs what it reads. The way is that of `solve::integrate_position`, in its order of operations; bodies that lanes do not know (locks, unequal
-//! moments, spins without limit) go there one by one.
+//! moments, turns of more than a radian) go there one by one.
 
 use super::solve::{SpeedLimits, turns_freely};
 use super::state::{Body, BodyState, BodyStep, InvInertia};
@@ -59,14 +59,21 @@ pub(crate) struct Way {
     /// Its fastest spin, rad/s.
     spin_most: f32,
     /// Not in lanes.
-    pub alone: bool,
+    alone: bool,
+    /// Neither while it turns more than a radian a substep.
+    fast: bool,
 }
 
 impl Way {
-    pub const NOTHING: Self = Self { spin_most: 0.0, alone: false };
+    pub const NOTHING: Self = Self { spin_most: 0.0, alone: false, fast: false };
     pub fn new(b: &BodyStep, body: &Body, limits: &SpeedLimits) -> Self {
-        let alone = b.locks != 0 || b.fast_rotation || turns_freely(b);
-        Self { spin_most: limits.spin_of(b, body), alone }
+        let alone = b.locks != 0 || turns_freely(b);
+        Self { spin_most: limits.spin_of(b, body), alone, fast: b.fast_rotation }
+    }
+    /// Does it go by itself in this substep? (What goes in lanes has the same answer after it.)
+    #[inline(always)]
+    pub fn goes_alone(&self, s: &BodyState, h: f32) -> bool {
+        self.alone || (self.fast && (s.w() * h).length_squared() > 1.0)
     }
 }
 
@@ -127,7 +134,7 @@ impl Kernel for Go<'_> {
         let mut at = 0;
         while at < states.len() {
             let to = states.len().min(at + L::WIDTH);
-            if ways[at..to].iter().any(|w| !w.alone) {
+            if ways[at..to].iter().zip(&states[at..to]).any(|(w, s)| !w.goes_alone(s, h)) {
                 go::<L>(&mut states[at..to], &ways[at..to], h, speed_most);
             }
             at = to;
@@ -190,6 +197,10 @@ fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32)
     for (most, way) in spin_most.iter_mut().zip(ways) {
         *most = way.spin_most;
     }
+    let mut lanes = [false; LANES];
+    for ((goes, way), s) in lanes.iter_mut().zip(ways).zip(&*states) {
+        *goes = !way.goes_alone(s, h);
+    }
     let h = L::splat(h);
     let v = within(Wide3::new(vx, vy, vz), L::splat(speed_most));
     let w = within(Wide3::new(wx, wy, wz), L::load(&spin_most));
@@ -204,7 +215,7 @@ fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32)
         [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
         #[inline(always)]
         |l, row| {
-            if l < len && !ways[l].alone {
+            if lanes[l] {
                 states[l].hot = row;
             }
         },
@@ -213,7 +224,7 @@ fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32)
         [p.z, turned.x, turned.y, turned.z, q[0], q[1], q[2], q[3]],
         #[inline(always)]
         |l, row| {
-            if l < len && !ways[l].alone {
+            if lanes[l] {
                 states[l].motion = row;
             }
         },
@@ -237,7 +248,8 @@ mod tests {
             let x = |k: u32| ((i * 7 + k * 5) % 11) as f32 - 5.0;
             let size = if i % 5 == 0 { [0.5, 0.2, 0.1] } else { [0.5; 3] };
             let fast = if i % 7 == 0 { 400.0 } else { 3.0 };
-            let d = BodyDesc::dynamic().at([f64::from(i) * 3.0, 0.0, 0.0]).shape(ShapeDesc::cuboid(size));
+            let shape = if i % 4 == 0 { ShapeDesc::sphere(0.5) } else { ShapeDesc::cuboid(size) };
+            let d = BodyDesc::dynamic().at([f64::from(i) * 3.0, 0.0, 0.0]).shape(shape);
             let d =
                 d.velocity(Vec3::new(x(0), x(1), x(2)) * fast).angular_velocity(Vec3::new(x(3), x(4), x(5)));
             w.add_body(d).expect("valid");
@@ -245,11 +257,13 @@ mod tests {
         let limits = SpeedLimits { speed: 1000.0, spin: 8.0, spin_jointed: 100.0 };
         let (h, a) = (1.0 / 240.0, &w.awake);
         let ways: Vec<Way> = a.step.iter().map(|b| Way::new(b, &w.bodies[b.body], &limits)).collect();
-        assert!(ways.iter().any(|w| w.alone) && ways.iter().any(|w| !w.alone));
+        assert!(ways.iter().any(|w| w.alone) && ways.iter().any(|w| !w.alone && !w.fast));
+        let turns_far = |i: usize| ways[i].fast && ways[i].goes_alone(&a.state[i], h);
+        assert!((0..37).any(turns_far) && (0..37).any(|i| ways[i].fast && !turns_far(i)), "balls, fast and slow");
         let mut expected = a.state.clone();
         let frames: &[BodyFrame] = &w.frames;
         for _ in 0..3 {
-            for (i, s) in expected.iter_mut().enumerate().filter(|(i, _)| !ways[*i].alone) {
+            for (i, s) in expected.iter_mut().enumerate().filter(|(i, s)| !ways[*i].goes_alone(s, h)) {
                 let sub = Substep { h, limits };
                 integrate_position(s, &a.step[i], &mut None, &w.bodies, frames, &sub);
             }
