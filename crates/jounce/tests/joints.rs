@@ -1379,3 +1379,96 @@ fn a_twist_without_a_cone_makes_no_energy() {
         }
     }
 }
+
+/// Bodies of 10 cm in a curtain of rows and columns, hung at its upper edge, row by row in lanes; the last row stands `above` the floor. Joints are
+/// points alone, or have a cone that nothing reaches.
+fn curtain(w: &mut World, shape: &ShapeDesc, cone: Option<f32>, above: f64) -> (Vec<BodyId>, Vec<JointId>) {
+    const SIDE: i32 = 7;
+    const STEP: f64 = 0.3;
+    w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).unwrap();
+    let at = |k: i32, i: i32| {
+        let below = f64::from(SIDE - 1 - i);
+        DVec3::new(STEP * f64::from(k), STEP * below + 0.1 + above, 0.0)
+    };
+    let (mut bodies, mut joints) = (Vec::new(), Vec::new());
+    for k in 0..SIDE {
+        for i in 0..SIDE {
+            let d = if i == 0 { BodyDesc::fixed() } else { BodyDesc::dynamic() };
+            let b = w.add_body(d.at(at(k, i)).shape(shape.clone()).damping(0.5, 0.5)).unwrap();
+            let beside = if i > 0 { Some((1, at(k, i) + DVec3::Y * (0.5 * STEP))) } else { None };
+            let before = if k > 0 { Some((SIDE as usize, at(k, i) - DVec3::X * (0.5 * STEP))) } else { None };
+            for (back, p) in beside.into_iter().chain(before) {
+                if i == 0 {
+                    continue;
+                }
+                let d = JointDesc::ball(bodies[bodies.len() - back], b, p).solver(JointSolver::Iterative);
+                let kind = JointKind::Ball(BallDesc { cone, ..BallDesc::default() });
+                joints.push(w.add_joint(d.kind(kind)).unwrap());
+            }
+            bodies.push(b);
+        }
+    }
+    (bodies, joints)
+}
+
+/// Points alone have blocks and a kernel of their own; what they do is what balls with a cone out of reach do.
+#[test]
+fn points_alone_do_what_balls_do() {
+    for shape in [ShapeDesc::sphere(0.1), ShapeDesc::capsule(0.1, 0.06)] {
+        let [points, balls] = [None, Some(3.0)].map(|cone| {
+            let mut w = world();
+            // The last row lies on the floor: both have a pass after contacts.
+            let (bodies, joints) = curtain(&mut w, &shape.clone().mass(0.4), cone, -0.002);
+            for (i, b) in bodies.iter().enumerate() {
+                if w.body(*b).unwrap().kind() == BodyKind::Dynamic {
+                    w.set_velocity(*b, Vec3::new(0.0, 0.0, 0.1 * (i % 7) as f32)).unwrap();
+                }
+            }
+            run(&mut w, 0.5);
+            let at: Vec<DVec3> = bodies.iter().map(|b| w.body(*b).unwrap().position()).collect();
+            let forces: Vec<Vec3> = joints.iter().map(|j| w.joint(*j).unwrap().force()).collect();
+            (at, forces)
+        });
+        let way = points.0.iter().zip(&balls.0).map(|(a, b)| (*a - *b).length()).fold(0.0, f64s::max);
+        let off = points.1.iter().zip(&balls.1).map(|(a, b)| (*a - *b).length()).fold(0.0, f32s::max);
+        let most = balls.1.iter().map(|f| f.length()).fold(0.0, f32s::max);
+        assert!(way < 1e-3 && off < 0.02 * most, "{shape:?}: {way} m, {off} N of {most} N");
+    }
+}
+
+/// The joints at the upper edge carry what hangs on them, each column its own part.
+#[test]
+fn a_curtain_of_points_hangs_by_its_weight() {
+    let mut w = world();
+    let (_, joints) = curtain(&mut w, &ShapeDesc::sphere(0.1).mass(0.4), None, 1.0);
+    run(&mut w, 4.0);
+    // Of each column the first joint; the others stand one below the other, and from the second column on each has one to the side.
+    let mut carried = 0.0;
+    for j in joints {
+        let j = w.joint(j).unwrap();
+        assert!(j.gap() < 1e-3, "{} m", j.gap());
+        if w.body(j.body_a()).unwrap().kind() == BodyKind::Fixed {
+            carried += j.force().y;
+        }
+    }
+    let weight = 7.0 * 6.0 * 0.4 * 9.81;
+    assert!((carried / weight - 1.0).abs() < 0.01, "{carried} N of {weight} N");
+}
+
+/// A second biased pass is for what contacts push. What lies elsewhere does not change a bit of a net that nothing touches.
+#[test]
+fn a_net_does_not_feel_what_lies_elsewhere() {
+    let [alone, together] = [false, true].map(|crate_too| {
+        let mut w = world();
+        let (bodies, _) = curtain(&mut w, &ShapeDesc::sphere(0.1).mass(0.4), None, 1.0);
+        w.set_velocity(bodies[20], Vec3::new(0.5, 0.0, 1.0)).unwrap();
+        if crate_too {
+            let d = BodyDesc::dynamic().at([50.0, 0.5, 0.0]).shape(ShapeDesc::cuboid([0.5; 3]));
+            w.add_body(d).unwrap();
+        }
+        run(&mut w, 1.0);
+        let at = |b: &BodyId| w.body(*b).unwrap().position().to_array().map(f64::to_bits);
+        bodies.iter().map(at).collect::<Vec<_>>()
+    });
+    assert_eq!(alone, together);
+}

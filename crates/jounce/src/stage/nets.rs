@@ -4,8 +4,8 @@ use super::Step;
 use super::joints::JointScratch;
 use crate::room::contacts::rows::LANES;
 use crate::room::joints::hinge;
-use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
 use crate::room::joints::net::point::{self, Source};
+use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
 use crate::room::joints::net::{Rows, Type};
 use crate::room::joints::rows::{Ends, Start};
 use crate::room::joints::set::{self, JointSet, TORN};
@@ -100,11 +100,19 @@ fn sweep(world: &mut World, step: &Step, pass: Pass) {
         if points.ids.is_empty() || blocks.is_empty() {
             continue;
         }
-        points.colors.scatter(color, &world.tasks, LANES, states, BodyState::FIXED, blocks, |access, rows, block| {
-            if pass != Pass::Answer || block.any_answers {
-                point::run(width, point::Sweep { pass, access, rows, block, lane: 0, constants: &k });
-            }
-        });
+        points.colors.scatter(
+            color,
+            &world.tasks,
+            LANES,
+            states,
+            BodyState::FIXED,
+            blocks,
+            |access, rows, block| {
+                if pass != Pass::Answer || block.any_answers {
+                    point::run(width, point::Sweep { pass, access, rows, block, lane: 0, constants: &k });
+                }
+            },
+        );
     }
     if let Some(overflow) = points.blocks.get_mut(ColorSets::COLORS).filter(|_| !points.ids.is_empty()) {
         points.colors.scatter_overflow(LANES, states, BodyState::FIXED, overflow, |access, row, block| {

@@ -259,7 +259,10 @@ mod tests {
         let ways: Vec<Way> = a.step.iter().map(|b| Way::new(b, &w.bodies[b.body], &limits)).collect();
         assert!(ways.iter().any(|w| w.alone) && ways.iter().any(|w| !w.alone && !w.fast));
         let turns_far = |i: usize| ways[i].fast && ways[i].goes_alone(&a.state[i], h);
-        assert!((0..37).any(turns_far) && (0..37).any(|i| ways[i].fast && !turns_far(i)), "balls, fast and slow");
+        assert!(
+            (0..37).any(turns_far) && (0..37).any(|i| ways[i].fast && !turns_far(i)),
+            "balls, fast and slow"
+        );
         let mut expected = a.state.clone();
         let frames: &[BodyFrame] = &w.frames;
         for _ in 0..3 {

@@ -207,29 +207,51 @@ pub(crate) struct Sweep<'a, 'b> {
 }
 
 /// One pass over one block, in lanes of a width.
-#[inline(never)]
 pub(crate) fn run(width: Width, sweep: Sweep<'_, '_>) {
-    dispatch(width, sweep);
+    if sweep.block.is_round {
+        dispatch(width, Rounds(sweep));
+    } else {
+        dispatch(width, Others(sweep));
+    }
 }
 
-impl Kernel for Sweep<'_, '_> {
-    type Output = ();
+// A kernel each: the compiler takes long over one that is both.
+struct Rounds<'a, 'b>(Sweep<'a, 'b>);
+struct Others<'a, 'b>(Sweep<'a, 'b>);
+
+impl Sweep<'_, '_> {
     #[inline(always)]
-    fn run<L: Lanes>(self) {
+    fn walk<L: Lanes, T: Turns<L>>(self, turns: impl Fn(&PointBlock, usize, usize) -> T) {
         let Self { pass, access, rows, block, lane, constants } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
-            let row = rows.start + done;
-            let at = lane + done;
-            if block.is_round {
-                let turns = [Round::<L>(L::load(&block.round[0][at..])), Round(L::load(&block.round[1][at..]))];
-                go(pass, block, at, access, row, turns, constants);
-            } else {
-                let turns = [Sym::<L>::load(&block.inertia[0], at), Sym::load(&block.inertia[1], at)];
-                go(pass, block, at, access, row, turns, constants);
-            }
+            let (row, at) = (rows.start + done, lane + done);
+            let turns = [turns(block, 0, at), turns(block, 1, at)];
+            go(pass, block, at, access, row, turns, constants);
             done += L::WIDTH;
         }
+    }
+}
+
+impl Kernel for Rounds<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.0.walk(
+            #[inline(always)]
+            |block, side, at| Round::<L>(L::load(&block.round[side][at..])),
+        );
+    }
+}
+
+impl Kernel for Others<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        self.0.walk(
+            #[inline(always)]
+            |block, side, at| Sym::<L>::load(&block.inertia[side], at),
+        );
     }
 }
 

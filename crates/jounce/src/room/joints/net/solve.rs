@@ -57,33 +57,74 @@ pub(crate) struct Sweep<'a, 'b> {
 }
 
 /// One pass over one block, in lanes of a width.
-#[inline(never)]
 pub(crate) fn run(width: Width, sweep: Sweep<'_, '_>) {
-    dispatch(width, sweep);
+    match sweep.pass {
+        Pass::Warm => dispatch(width, Warm(sweep)),
+        Pass::Solve | Pass::Answer => dispatch(width, Solve(sweep)),
+        Pass::Relax | Pass::Last => dispatch(width, Relax(sweep)),
+    }
 }
 
-impl Kernel for Sweep<'_, '_> {
-    type Output = ();
+impl Sweep<'_, '_> {
+    /// Calls `f(pair, block, first lane)` for the rows, so many lanes at a time; with levers and frames followed to where the bodies have moved, or
+    /// as they were.
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { pass, kind, access, rows, block, lane, constants } = self;
+    fn walk<L: Lanes, const FOLLOW: bool>(self, mut f: impl FnMut(&mut Pair<L>, &mut Block, usize)) {
+        let Self { access, rows, block, lane, .. } = self;
         let mut done = 0;
         while done < rows.len().min(LANES) {
-            let row = rows.start + done;
-            let at = lane + done;
-            let mut u = Pair::<L>::load(block, at, access, row, pass);
-            match pass {
-                Pass::Warm => u.warm(block, at, kind, constants),
-                Pass::Solve => u.solve(block, at, kind, constants, true),
-                Pass::Answer => u.solve(block, at, kind, constants, false),
-                Pass::Relax | Pass::Last => u.relax(block, at, kind, constants),
-            }
-            if pass == Pass::Last {
-                u.turn_back(block, at, kind);
-            }
+            let (row, at) = (rows.start + done, lane + done);
+            let mut u = Pair::<L>::load::<FOLLOW>(block, at, access, row);
+            f(&mut u, block, at);
             u.two.store(access, row);
             done += L::WIDTH;
         }
+    }
+}
+
+// A kernel each: the compiler takes minutes over one that is all of them.
+struct Warm<'a, 'b>(Sweep<'a, 'b>);
+struct Solve<'a, 'b>(Sweep<'a, 'b>);
+struct Relax<'a, 'b>(Sweep<'a, 'b>);
+
+impl Kernel for Warm<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (kind, k) = (self.0.kind, self.0.constants);
+        self.0.walk::<L, false>(
+            #[inline(always)]
+            |u, block, at| u.warm(block, at, kind, k),
+        );
+    }
+}
+
+impl Kernel for Solve<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (kind, k, first) = (self.0.kind, self.0.constants, self.0.pass == Pass::Solve);
+        self.0.walk::<L, false>(
+            #[inline(always)]
+            |u, block, at| u.solve(block, at, kind, k, first),
+        );
+    }
+}
+
+impl Kernel for Relax<'_, '_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let (kind, k, last) = (self.0.kind, self.0.constants, self.0.pass == Pass::Last);
+        self.0.walk::<L, true>(
+            #[inline(always)]
+            |u, block, at| {
+                u.relax(block, at, kind, k);
+                if last {
+                    u.turn_back(block, at, kind);
+                }
+            },
+        );
     }
 }
 
@@ -106,11 +147,16 @@ struct End<L> {
 
 impl<L: Lanes> Pair<L> {
     #[inline(always)]
-    fn load(block: &mut Block, at: usize, access: &Scatter<'_, BodyState>, row: usize, pass: Pass) -> Self {
+    fn load<const FOLLOW: bool>(
+        block: &mut Block,
+        at: usize,
+        access: &Scatter<'_, BodyState>,
+        row: usize,
+    ) -> Self {
         let mass = [L::load(&block.inv_mass[0][at..]), L::load(&block.inv_mass[1][at..])];
         let turns = [Sym::load(&block.inertia[0], at), Sym::load(&block.inertia[1], at)];
         let mut two = Two::load(access, row, mass, turns);
-        if matches!(pass, Pass::Relax | Pass::Last) {
+        if FOLLOW {
             let [da, db] = two.follow(access, row, [&block.ra, &block.rb, &block.offset], at);
             let now = &mut block.now;
             two.ra.store(&mut now.ra, at);

@@ -120,8 +120,7 @@ impl<L: Lanes, T: Turns<L>> Two<L, T> {
         );
         let da = WideQuat { v: Wide3::new(x[4], x[5], x[6]), w: x[7] };
         let db = WideQuat { v: Wide3::new(y[4], y[5], y[6]), w: y[7] };
-        let [pa, pb] =
-            [Wide3::new(self.pa[0], self.pa[1], x[0]), Wide3::new(self.pb[0], self.pb[1], y[0])];
+        let [pa, pb] = [Wide3::new(self.pa[0], self.pa[1], x[0]), Wide3::new(self.pb[0], self.pb[1], y[0])];
         (self.ra, self.rb) = (da.rotate(Wide3::load(ra, at)), db.rotate(Wide3::load(rb, at)));
         self.d = Wide3::load(offset, at).add(pb.sub(pa)).add(self.rb.sub(self.ra));
         [da, db]
