@@ -59,12 +59,12 @@ fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
         let face = patches.iter().find(|f| {
             (f.row, f.index) != (m.row, m.index)
                 && f.face
-                && f.normal != m.normal
                 && lies_on(m, f)
                 && (!m.face || !lies_on(f, m))
                 && (f.normal.dot(m.normal) > LEAN_COSINE || !stands_out(world, center, m, f))
         });
-        if let Some(f) = face {
+        // What has the normal already keeps it: another face of the same points would give it back and forth.
+        if let Some(f) = face.filter(|f| f.normal != m.normal) {
             if m.count == 1 && world.contacts[m.row as usize].rest.is_empty() {
                 drop(world, m);
             } else {
@@ -143,5 +143,6 @@ fn adopt(world: &mut World, m: &Patch, normal: Vec3) {
     for (p, at) in manifold.points.iter_mut().zip(&manifold.anchors).take(m.count) {
         p.separation = (d + fb.rotation.rotate(at.on_b) - fa.rotation.rotate(at.on_a)).dot(manifold.normal);
     }
-    c.tested = false;
+    // It is kept with this normal while the pair hardly moves; the levers are those of now.
+    manifold.fresh = true;
 }
