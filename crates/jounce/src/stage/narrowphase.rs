@@ -234,7 +234,6 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
         for (p, at) in m.points.iter_mut().zip(&m.anchors).take(usize::from(m.count)) {
             p.separation = (d + rb * at.on_b - ra * at.on_a).dot(m.normal);
         }
-        put(&mut m.fresh, false);
     }
     true
 }
@@ -364,7 +363,6 @@ fn inherit(new: &mut ContactManifold, old: &ContactManifold) {
     new.rolling = old.rolling;
     new.stick = old.stick;
     new.slip = old.slip;
-    new.fresh = false;
 }
 
 fn starts_stuck(world: &World, [fa, fb]: [&BodyFrame; 2], m: &ContactManifold) -> bool {

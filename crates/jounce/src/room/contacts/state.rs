@@ -102,8 +102,6 @@ pub(crate) struct ContactManifold {
     pub slip: Vec3,
     /// Surface coefficients of this manifold (triangles differ).
     pub surface: Surface,
-    /// The manifold was made this step.
-    pub fresh: bool,
     /// Sums over the substeps of the last step: of the points, and of friction, world frame, N s.
     pub totals: [f32; 4],
     pub total_friction: Vec3,
@@ -130,7 +128,6 @@ impl ContactManifold {
         points: [NO_POINT; 4],
         slip: Vec3::ZERO,
         surface: Surface::NOTHING,
-        fresh: true,
         totals: [0.0; 4],
         total_friction: Vec3::ZERO,
         anchors: [NO_ANCHOR; 4],
