@@ -193,6 +193,51 @@ fn rows_that_could_not_be_kept_apart_are_refused() {
     assert_eq!(sets.colors(), 24);
 }
 
+/// [`solve`] of the regular colours, four rows at a time: both items of each are asked for at once.
+fn solve_gathered(sets: &ColorSets, tasks: &Tasks, block: usize, items: &mut [f32]) {
+    for color in 0..sets.colors() {
+        let mut blocks = vec![(); sets.rows(color).len().div_ceil(block)];
+        sets.scatter(color, tasks, block, items, 0.5, &mut blocks, |access, rows, ()| {
+            for row in rows.clone().step_by(4) {
+                let read = access.gather::<4>(row, 4).map(|pair| pair.map(|x| *x));
+                let mut new = [[0.0; 2]; 4];
+                for i in 0..4 {
+                    if row + i >= rows.end {
+                        assert_eq!(read[i], [0.5; 2], "past the last row");
+                        continue;
+                    }
+                    let (a, b) = blend(read[i][0], read[i][1], access.row(row + i).payload());
+                    new[i] = [a, b];
+                }
+                for (i, pair) in access.gather_mut::<4>(row, 4).into_iter().enumerate() {
+                    assert!(row + i < rows.end || pair.iter().all(Option::is_none), "past the last row");
+                    for (to, x) in pair.into_iter().zip(new[i]) {
+                        if let Some(to) = to {
+                            *to = x;
+                        }
+                    }
+                }
+            }
+        });
+    }
+}
+
+proptest! {
+    #[test]
+    fn gathered_items_are_those_of_the_rows((items, pushes) in pushes(2..40, 0..60)) {
+        let (sets, _) = fill(items, &pushes);
+        let start: Vec<f32> = (0..items).map(|i| (i % 13) as f32 * 0.7).collect();
+        // The overflow list is not gathered: both go without.
+        prop_assume!(sets.overflow().is_empty());
+        for block in [1, 3, 4, 16] {
+            let (mut one_by_one, mut gathered) = (start.clone(), start.clone());
+            solve(&sets, &Tasks::serial(), block, &mut one_by_one);
+            solve_gathered(&sets, &Tasks::serial(), block, &mut gathered);
+            prop_assert_eq!(&one_by_one, &gathered);
+        }
+    }
+}
+
 #[test]
 fn a_row_of_another_unit_is_out_of_reach() {
     let mut sets = ColorSets::new();

@@ -217,8 +217,8 @@ impl Clone for Sets {
 #[cfg(test)]
 mod tests {
     use super::{Places, RowPlace, Scratch};
-    use crate::{BodyDesc, JointDesc, Material, ShapeDesc, World, WorldDesc};
-    use jounce_math::Vec3;
+    use crate::{BodyDesc, Command, JointDesc, JointSolver, Material, ShapeDesc, World, WorldDesc};
+    use jounce_math::{DVec3, Vec3};
 
     /// A world goes on as it would have, whatever earlier steps left in memory that is reused.
     #[test]
@@ -251,6 +251,36 @@ mod tests {
             }
             last = Some((body, at));
         }
+        goes_on_alike(w);
+    }
+
+    /// The same of a net of points, in the air and on the floor, with a joint that is let go and one that is held again.
+    #[test]
+    fn scratch_of_nets_is_no_state() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        w.add_body(BodyDesc::fixed().shape(ShapeDesc::half_space(Vec3::Y))).expect("valid");
+        let (mut bodies, mut joints) = (Vec::new(), Vec::new());
+        for i in 0..30_u32 {
+            let at =
+                DVec3::new(0.3 * f64::from(i / 6), 0.9 + 0.3 * f64::from(i % 6), 0.02 * f64::from(i % 4));
+            let shape = if i % 2 == 0 { ShapeDesc::sphere(0.1) } else { ShapeDesc::capsule(0.05, 0.08) };
+            let body = w.add_body(BodyDesc::dynamic().at(at).shape(shape)).expect("valid");
+            let below = (i % 6 > 0).then(|| (i as usize - 1, at - DVec3::Y * 0.15));
+            let beside = (i >= 6).then(|| (i as usize - 6, at - DVec3::X * 0.15));
+            for (other, p) in below.into_iter().chain(beside) {
+                let d = JointDesc::ball(bodies[other], body, p).solver(JointSolver::Iterative);
+                joints.push(w.add_joint(d).expect("valid"));
+            }
+            bodies.push(body);
+        }
+        for half in [false, true] {
+            w.apply(Command::SetJointEnabled(joints[7], half)).expect("valid");
+            w = goes_on_alike(w);
+        }
+    }
+
+    /// Steps the world beside one that has forgotten its scratch before each.
+    fn goes_on_alike(mut w: World) -> World {
         for step in 0..240 {
             let mut fresh = w.clone();
             fresh.scratch = Scratch::default();
@@ -258,6 +288,7 @@ mod tests {
             fresh.step().expect("valid");
             assert_eq!(fresh.hash(), w.hash(), "step {step}");
         }
+        w
     }
 
     /// Every manifold is found where it was put, and none that was not.
