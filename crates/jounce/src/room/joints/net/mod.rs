@@ -7,7 +7,7 @@
 //! Four types, each with a kernel and blocks of its own:
 //!
 //! * ball: d = p_b − p_a = 0; J = (−1, r_a×, 1, −r_b×), a 3×3 block; cone and twist as ends; motor and friction about A's axes;
-//! * point: a ball with neither of these, which cannot break ([`point`]): the same rows on a quarter of the memory;
+//! * point: a ball with neither of these, which cannot break ([`point`]): the same rows, for which a pass goes through a quarter of the memory;
 //! * hinge: the same, and x_b stays across y_a and z_a, a 2×2 block, j = x_b × n; ends, motor, spring and friction about x;
 //! * fixed: the same, and no turn, C = 2 v of q_b q_a⁻¹ = (v, w) as a 3×3 block about the world's axes.
 //!
