@@ -18,7 +18,7 @@ use crate::stage::publish::moved;
 use crate::world::World;
 use jounce_geometry::{Aabb, MassProperties, Shape};
 use jounce_math::{DVec3, Pose, Quat, Vec3, WorldPose, scalar::f32s};
-use jounce_tasks::FloatEnv;
+use jounce_tasks::{ColorSets, FloatEnv};
 
 impl World {
     /// Carries out one edit, at once. The methods of [`World`] are thin sugar over this.
@@ -157,6 +157,8 @@ impl World {
         if self.frames.len() <= slot as usize {
             self.frames.resize(slot as usize + 1, BodyFrame::default());
             self.travel.resize(slot as usize + 1, 0.0);
+            self.row_of.resize(slot as usize + 1, NONE);
+            self.items.resize(slot as usize + 1, ColorSets::NONE);
         }
         let mut frame = BodyFrame { row: NONE, ..BodyFrame::default() };
         frame.place(d.position, d.rotation.normalize());
@@ -587,8 +589,8 @@ impl World {
     pub(crate) fn push_row(&mut self, slot: u32) {
         let b = &mut self.bodies[slot];
         debug_assert!(b.row == NONE && b.enabled && b.kind != BodyKind::Fixed);
-        b.row = self.awake.state.len() as u32;
-        self.frames[slot as usize].row = b.row;
+        let (row, kind) = (self.awake.state.len() as u32, b.kind);
+        b.row = row;
         self.awake.state.push(BodyState::new(b.velocity, b.angular_velocity));
         self.awake.step.push(BodyStep {
             force: Vec3::ZERO,
@@ -598,7 +600,7 @@ impl World {
             linear_damping: 0.0,
             angular_damping: 0.0,
             gravity_scale: 0.0,
-            kind: b.kind,
+            kind,
             locks: 0,
             isotropic: true,
             fast_rotation: false,
@@ -617,8 +619,17 @@ impl World {
         });
         self.awake.turning.push(None);
         self.awake.inertia.push(InvInertia::default());
+        self.place_row(slot, row, kind);
         self.refresh_row(slot);
         self.refresh_inertia(slot);
+    }
+
+    /// Tells all that ask by body where its row is.
+    fn place_row(&mut self, slot: u32, row: u32, kind: BodyKind) {
+        self.frames[slot as usize].row = row;
+        self.row_of[slot as usize] = row;
+        self.items[slot as usize] = if kind == BodyKind::Dynamic { row } else { ColorSets::shared(row) };
+        self.awake.changes += 1;
     }
 
     /// Drops a body's row, keeping its velocity in the record; the last row takes its place.
@@ -631,10 +642,13 @@ impl World {
         self.awake.turning.swap_remove(row);
         self.awake.inertia.swap_remove(row);
         if let Some(moved) = self.awake.step.get(row) {
-            self.bodies[moved.body].row = row as u32;
-            self.frames[moved.body as usize].row = row as u32;
+            let (body, kind) = (moved.body, moved.kind);
+            self.bodies[body].row = row as u32;
+            self.place_row(body, row as u32, kind);
         }
         self.frames[slot as usize].row = NONE;
+        (self.row_of[slot as usize], self.items[slot as usize]) = (NONE, ColorSets::NONE);
+        self.awake.changes += 1;
         let b = &mut self.bodies[slot];
         (b.velocity, b.angular_velocity, b.row) = (state.v(), state.w(), NONE);
     }
@@ -650,6 +664,7 @@ impl World {
         };
         let round = !b.shapes.is_empty() && b.shapes.iter().all(ball);
         let Some(r) = self.awake.step.get_mut(b.row as usize) else { return };
+        self.awake.changes += 1;
         r.inv_mass = b.mass.inv_mass;
         r.linear_damping = b.linear_damping;
         r.angular_damping = b.angular_damping;

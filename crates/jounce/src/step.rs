@@ -170,6 +170,8 @@ impl World {
 
     fn one_step(&mut self, observer: &mut dyn StageObserver) {
         let _mode = FloatEnv::set_default();
+        let tasks = self.tasks.clone();
+        let _attention = tasks.attend();
         let dt = self.dt() as f32;
         let constants = StepConstants::new(&self.settings, dt, self.substeps);
         let step = Step { dt, substeps: self.substeps, constants };

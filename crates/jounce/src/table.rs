@@ -9,9 +9,16 @@ pub(crate) struct Table<T> {
 }
 
 #[derive(Clone, Debug)]
-struct Entry<T> {
+pub(crate) struct Entry<T> {
     generation: u32,
     value: Option<T>,
+}
+
+impl<T> Entry<T> {
+    /// The value, if the slot is live.
+    pub fn get_mut(&mut self) -> Option<&mut T> {
+        self.value.as_mut()
+    }
 }
 
 impl<T> Default for Table<T> {
@@ -55,6 +62,10 @@ impl<T> Table<T> {
     }
     pub fn get_mut(&mut self, index: u32) -> Option<&mut T> {
         self.entries.get_mut(index as usize).and_then(|e| e.value.as_mut())
+    }
+    /// All slots, by index.
+    pub fn entries_mut(&mut self) -> &mut [Entry<T>] {
+        &mut self.entries
     }
     /// Asks for the memory of a slot that will be read soon.
     pub fn call(&self, index: u32) {

@@ -70,6 +70,9 @@ pub struct World {
     /// Beside `contacts`, row by row.
     pub(crate) heads: Vec<PairHead>,
     pub(crate) asleep_contacts: Vec<Contact>,
+    /// By body: its row in the awake columns, or NONE; and that row as colours name it (shared, where the body is not dynamic).
+    pub(crate) row_of: Vec<u32>,
+    pub(crate) items: Vec<u32>,
     /// By body: the way that the farthest of its points has made over all steps, at most, m.
     pub(crate) travel: Vec<f64>,
 
@@ -227,6 +230,8 @@ impl World {
             contacts: Vec::new(),
             heads: Vec::new(),
             asleep_contacts: Vec::new(),
+            row_of: Vec::new(),
+            items: Vec::new(),
             travel: Vec::new(),
             fields: Fields::default(),
             particles: Particles::default(),

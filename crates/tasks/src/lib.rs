@@ -26,6 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use color::{ColorSets, Row, Scatter};
 pub use float_env::FloatEnv;
+pub use slices::{Cut, Owned, Owning};
 
 use chaos::Shuffle;
 use pool::Pool;
@@ -44,6 +45,9 @@ enum Mode {
     Pool(Arc<Pool>),
     Chaos(Arc<Chaos>),
 }
+
+/// See [`Tasks::attend`].
+pub struct Attention<'a>(#[expect(dead_code, reason = "dropped with it")] Option<pool::Attention<'a>>);
 
 /// Stages are numbered so that each gets its own order. The number is taken by whoever calls `run`.
 struct Chaos {
@@ -93,6 +97,18 @@ impl Tasks {
             Mode::Pool(pool) => pool.threads(),
             Mode::Chaos(chaos) => chaos.pool.as_ref().map_or(1, Pool::threads),
         }
+    }
+
+    /// Says that stages follow each other closely while the guard lives, as they do in a step: threads without work then wait awake for the next
+    /// stage for a while, since to wake one takes as long as a short stage.
+    #[must_use]
+    pub fn attend(&self) -> Attention<'_> {
+        let pool = match &self.0 {
+            Mode::Serial => None,
+            Mode::Pool(pool) => Some(&**pool),
+            Mode::Chaos(chaos) => chaos.pool.as_ref(),
+        };
+        Attention(pool.map(Pool::attend))
     }
 
     /// Calls `f(unit)` exactly once for every unit in `0..units` and returns when all are done.

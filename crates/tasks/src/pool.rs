@@ -1,14 +1,20 @@
 //! The thread pool: units are claimed one by one, and a stage ends when its units are done.
 //!
-//! A stage is published in three steps: the job is written, `pending` is set to the number of units, and
-//! `unclaimed` is set to the same number. A thread claims a unit by taking `unclaimed` from `n > 0` to `n - 1` with
-//! a compare-and-swap, does it, and takes one from `pending`. The caller claims like everybody else; when nothing
-//! is left to claim it waits for `pending` to reach zero. A worker that sleeps through a whole stage is therefore
-//! never waited for.
+//! Each thread has a *share* of the stage's units, a range of its own: it claims from the front of that, and when it is
+//! empty from the back of the others'. So a stage that is run again over the same items, as the passes of a solver
+//! are, finds most of them in the caches of the thread that had them last, and threads that claim at the same time
+//! mostly do so on lines of their own.
 //!
-//! Why no stage number stands beside the counter: a claim that succeeds is a claim on the stage that is current at
+//! A stage is published in four steps: the job is written, `pending` is set to the number of units, the shares are
+//! set, and `stage` is counted up. A thread claims a unit by taking it off a share that is not empty with a
+//! compare-and-swap, does it, and goes on; when it finds nothing left to claim it takes what it did from `pending`. The
+//! caller claims like everybody else, and then waits for `pending` to reach zero. A worker that sleeps through
+//! a whole stage is therefore never waited for.
+//!
+//! Why no stage number stands in a share: a claim that succeeds is a claim on the stage that is current at
 //! that moment, however old the value the thread had read before, and the job is read only after the claim. That
-//! stage cannot end before the claimed unit is done, so the job stays valid and unchanged until then. The swap
+//! stage cannot end before the claimed unit is done and counted, so the job stays valid and unchanged until then, and
+//! a thread that has done units of one stage and not counted them cannot claim one of another. The swap
 //! reads from the release sequence headed by the caller's store, so the job written before it is visible.
 //!
 //! One stage at a time owns the pool (`busy`). A call that finds it taken, from inside a unit or from another
@@ -22,7 +28,7 @@ use std::any::Any;
 use std::cell::UnsafeCell;
 use std::hint;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
@@ -30,27 +36,63 @@ use crate::{FloatEnv, MAX_THREADS};
 
 /// Turns of the spin loop before a thread goes to sleep: some ten microseconds, the length of a short stage.
 const SPINS: usize = 2000;
-/// The same where there are more threads than processors, and spinning takes time from those who work.
+/// The same between the stages of a step, where the caller may be busy alone for that long.
+const SPINS_ATTENDED: usize = 20_000;
+/// Both where there are more threads than processors, and spinning takes time from those who work.
 const SPINS_CROWDED: usize = 20;
 
 /// Keeps counters that different threads hammer off each other's cache line (two lines: adjacent-line prefetch).
 #[repr(align(128))]
 struct Padded<T>(T);
 
-#[derive(Clone, Copy)]
-struct Job {
-    f: *const (dyn Fn(usize) + Sync),
-    units: usize,
+type Job = *const (dyn Fn(usize) + Sync);
+
+/// The units `first..end` of a stage, in one word: `first` in the low half, `end` in the high.
+struct Share(AtomicU64);
+
+impl Share {
+    const EMPTY: Self = Self(AtomicU64::new(0));
+
+    fn set(&self, first: usize, end: usize) {
+        self.0.store(first as u64 | (end as u64) << 32, Ordering::SeqCst);
+    }
+
+    fn take_first(&self) -> Option<usize> {
+        self.take(|first, end| (first, first + 1, end))
+    }
+
+    fn take_last(&self) -> Option<usize> {
+        self.take(|first, end| (end - 1, first, end - 1))
+    }
+
+    /// Claims a unit, unless none is left: `split` gives the one of `first..end` that is taken, and what then remains.
+    fn take(&self, split: impl Fn(u64, u64) -> (u64, u64, u64)) -> Option<usize> {
+        let mut now = self.0.load(Ordering::Acquire);
+        loop {
+            let (first, end) = (now & u64::from(u32::MAX), now >> 32);
+            if first >= end {
+                return None;
+            }
+            let (unit, first, end) = split(first, end);
+            let then = first | end << 32;
+            match self.0.compare_exchange_weak(now, then, Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => return Some(unit as usize),
+                Err(other) => now = other,
+            }
+        }
+    }
 }
 
 /// The payload of a panic, and the unit it came from.
 type Panicked = (usize, Box<dyn Any + Send>);
 
 struct Shared {
-    /// Units of the current stage that nobody has claimed.
-    unclaimed: Padded<AtomicUsize>,
-    /// Units of the current stage that are not done.
+    /// By thread: units of the current stage that nobody has claimed.
+    shares: Box<[Padded<Share>]>,
+    /// Units of the current stage that are not done, or not counted yet.
     pending: Padded<AtomicUsize>,
+    /// Counts stages: changed when the shares of one are set.
+    stage: Padded<AtomicUsize>,
     /// Held by the call whose stage is current.
     busy: AtomicBool,
     /// Written by the holder of `busy` while nothing is claimed or unclaimed; read by holders of a claim.
@@ -63,12 +105,15 @@ struct Shared {
     gate: Mutex<()>,
     work_came: Condvar,
     stage_ended: Condvar,
+    /// Calls of [`Pool::attend`] whose guards live.
+    attended: AtomicUsize,
     spins: usize,
+    spins_attended: usize,
 }
 
 // SAFETY: everything but `job` is Sync by itself. `job` is written only by the holder of `busy` at a moment when
 // `pending` is zero, and read only by threads that hold a claim, that is while `pending` is not zero; both are ordered
-// by `unclaimed` (publish, release; claim, acquire) and `pending` (done, release; end of stage, acquire). The
+// by the shares (publish, release; claim, acquire) and `pending` (done, release; end of stage, acquire). The
 // closure behind the pointer is Sync, so it may be called from any thread.
 unsafe impl Sync for Shared {}
 // SAFETY: as above; the raw pointer is only followed under a claim.
@@ -80,13 +125,14 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Shared {
-    fn new(spins: usize) -> Self {
+    fn new(threads: usize, [spins, spins_attended]: [usize; 2]) -> Self {
         let nothing: &'static (dyn Fn(usize) + Sync) = &|_| {};
         Self {
-            unclaimed: Padded(AtomicUsize::new(0)),
+            shares: (0..threads).map(|_| Padded(Share::EMPTY)).collect(),
             pending: Padded(AtomicUsize::new(0)),
+            stage: Padded(AtomicUsize::new(0)),
             busy: AtomicBool::new(false),
-            job: UnsafeCell::new(Job { f: nothing, units: 0 }),
+            job: UnsafeCell::new(nothing),
             panicked: Mutex::new(None),
             sleepers: AtomicUsize::new(0),
             caller_sleeps: AtomicBool::new(false),
@@ -94,39 +140,44 @@ impl Shared {
             gate: Mutex::new(()),
             work_came: Condvar::new(),
             stage_ended: Condvar::new(),
+            attended: AtomicUsize::new(0),
             spins,
+            spins_attended,
         }
     }
 
-    /// Claims and does units until none is left to claim.
-    fn work(&self) {
-        let mut left = self.unclaimed.0.load(Ordering::Acquire);
-        while left > 0 {
-            match self.unclaimed.0.compare_exchange_weak(left, left - 1, Ordering::AcqRel, Ordering::Acquire)
-            {
-                Ok(_) => {
-                    self.run_claimed(left);
-                    left = self.unclaimed.0.load(Ordering::Acquire);
-                }
-                Err(now) => left = now,
+    /// Claims and does units until none is left to claim, those of thread `me` first.
+    fn work(&self, me: usize) {
+        let mut done = 0;
+        while let Some(unit) = self.shares[me].0.take_first() {
+            self.run_claimed(unit);
+            done += 1;
+        }
+        for i in 1..self.shares.len() {
+            let other = (me + i) % self.shares.len();
+            while let Some(unit) = self.shares[other].0.take_last() {
+                self.run_claimed(unit);
+                done += 1;
             }
         }
-    }
-
-    /// Does the unit claimed by taking `unclaimed` from `left` to `left - 1`.
-    fn run_claimed(&self, left: usize) {
-        // SAFETY: this thread holds a claim, so the job is published and is not rewritten before `pending` falls
-        // below (see the header).
-        let job = unsafe { *self.job.get() };
-        let unit = job.units - left;
-        // SAFETY: `Pool::run` does not return before `pending` is zero, so the closure outlives this call.
-        let f = unsafe { &*job.f };
-        if let Err(payload) = catch_unwind(AssertUnwindSafe(|| f(unit))) {
-            self.note_panic(unit, payload);
-        }
-        if self.pending.0.fetch_sub(1, Ordering::SeqCst) == 1 && self.caller_sleeps.load(Ordering::SeqCst) {
+        if done > 0
+            && self.pending.0.fetch_sub(done, Ordering::SeqCst) == done
+            && self.caller_sleeps.load(Ordering::SeqCst)
+        {
             drop(lock(&self.gate));
             self.stage_ended.notify_all();
+        }
+    }
+
+    /// Does a claimed unit.
+    fn run_claimed(&self, unit: usize) {
+        // SAFETY: this thread holds a claim, so the job is published and is not rewritten before the claim is counted
+        // in `pending` (see the header).
+        let job = unsafe { *self.job.get() };
+        // SAFETY: `Pool::run` does not return before `pending` is zero, so the closure outlives this call.
+        let f = unsafe { &*job };
+        if let Err(payload) = catch_unwind(AssertUnwindSafe(|| f(unit))) {
+            self.note_panic(unit, payload);
         }
     }
 
@@ -164,19 +215,22 @@ impl Shared {
         self.caller_sleeps.store(false, Ordering::SeqCst);
     }
 
-    fn worker(&self) {
+    fn worker(&self, me: usize) {
         let _env = FloatEnv::set_default();
+        let mut seen = 0;
         while !self.shutdown.load(Ordering::SeqCst) {
-            self.work();
-            self.wait_for_work();
+            self.work(me);
+            seen = self.wait_for_stage(seen);
         }
     }
 
-    fn wait_for_work(&self) {
-        let idle = || self.unclaimed.0.load(Ordering::SeqCst) == 0 && !self.shutdown.load(Ordering::SeqCst);
-        for _ in 0..self.spins {
+    /// Waits for a stage after stage `seen`, and gives its number.
+    fn wait_for_stage(&self, seen: usize) -> usize {
+        let idle = || self.stage.0.load(Ordering::SeqCst) == seen && !self.shutdown.load(Ordering::SeqCst);
+        let spins = if self.attended.load(Ordering::Relaxed) > 0 { self.spins_attended } else { self.spins };
+        for _ in 0..spins {
             if !idle() {
-                return;
+                return self.stage.0.load(Ordering::SeqCst);
             }
             hint::spin_loop();
         }
@@ -187,6 +241,7 @@ impl Shared {
         }
         drop(gate);
         self.sleepers.fetch_sub(1, Ordering::SeqCst);
+        self.stage.0.load(Ordering::SeqCst)
     }
 
     /// Wakes as many sleeping workers as could find a unit.
@@ -206,6 +261,15 @@ impl Shared {
     }
 }
 
+/// While it lives, workers wait awake for a while longer.
+pub(crate) struct Attention<'a>(&'a AtomicUsize);
+
+impl Drop for Attention<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
 /// Threads that wait for stages; joined on drop.
 pub(crate) struct Pool {
     shared: Arc<Shared>,
@@ -217,10 +281,11 @@ impl Pool {
     pub(crate) fn new(threads: usize) -> Self {
         let threads = threads.min(MAX_THREADS);
         let processors = thread::available_parallelism().map_or(1, |n| n.get());
-        let shared = Arc::new(Shared::new(if threads <= processors { SPINS } else { SPINS_CROWDED }));
+        let spins = if threads <= processors { [SPINS, SPINS_ATTENDED] } else { [SPINS_CROWDED; 2] };
+        let shared = Arc::new(Shared::new(threads, spins));
         let start = |i: usize| {
             let shared = Arc::clone(&shared);
-            thread::Builder::new().name(format!("jounce-{i}")).spawn(move || shared.worker()).ok()
+            thread::Builder::new().name(format!("jounce-{i}")).spawn(move || shared.worker(i)).ok()
         };
         let workers = (1..threads).map_while(start).collect();
         Self { shared, workers }
@@ -230,13 +295,19 @@ impl Pool {
         self.workers.len() + 1
     }
 
+    /// Says that stages follow each other closely until the guard drops.
+    pub(crate) fn attend(&self) -> Attention<'_> {
+        self.shared.attended.fetch_add(1, Ordering::Relaxed);
+        Attention(&self.shared.attended)
+    }
+
     /// Runs a stage, or returns `false` at once if another stage has the pool.
     pub(crate) fn run(&self, units: usize, f: &(dyn Fn(usize) + Sync)) -> bool {
         let shared = &*self.shared;
         if units == 0 {
             return true;
         }
-        if self.workers.is_empty() || shared.busy.swap(true, Ordering::Acquire) {
+        if self.workers.is_empty() || units > u32::MAX as usize || shared.busy.swap(true, Ordering::Acquire) {
             return false;
         }
         // SAFETY: only the lifetime changes. The pointer is followed only under a claim of this stage, and this
@@ -244,13 +315,19 @@ impl Pool {
         let f = unsafe {
             std::mem::transmute::<&(dyn Fn(usize) + Sync), &'static (dyn Fn(usize) + Sync + 'static)>(f)
         };
-        // SAFETY: this call holds `busy` and the stage before it has ended (`pending` and `unclaimed` are zero), so
+        // SAFETY: this call holds `busy` and the stage before it has ended (`pending` is zero, and the shares are empty), so
         // nobody reads the job.
-        unsafe { *shared.job.get() = Job { f, units } };
+        unsafe { *shared.job.get() = f };
         shared.pending.0.store(units, Ordering::Relaxed);
-        shared.unclaimed.0.store(units, Ordering::SeqCst);
+        let threads = self.threads();
+        for (t, share) in shared.shares.iter().enumerate().take(threads) {
+            // The caller, who is there, has the larger ones.
+            let upto = |t: usize| (t * units).div_ceil(threads);
+            share.0.set(upto(t), upto(t + 1));
+        }
+        shared.stage.0.fetch_add(1, Ordering::SeqCst);
         shared.wake(units - 1);
-        shared.work();
+        shared.work(0);
         shared.wait_for_end();
         let panicked = lock(&shared.panicked).take();
         shared.busy.store(false, Ordering::Release);

@@ -2,13 +2,17 @@
 //!
 //! Unit `u` owns the elements `u * chunk .. min(len, (u + 1) * chunk)`. These ranges do not overlap, every unit is
 //! run exactly once, and the slice is borrowed for the whole stage: so each unit may hold its chunk mutably.
+//!
+//! Items that lie in another order than the rows they belong to go with them as [`Owning`]: a list says which row owns
+//! each item, and the items of a unit are those that its rows own.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use crate::Tasks;
 
 /// The base of a slice that units cut their own pieces from.
-struct Base<T>(*mut T);
+pub struct Base<T>(*mut T);
 
 // SAFETY: units on other threads make `&mut T` to disjoint elements only, which is sending them: T is Send.
 unsafe impl<T: Send> Sync for Base<T> {}
@@ -23,24 +27,157 @@ impl<T> Base<T> {
     }
 }
 
+/// What a stage cuts into one piece for each unit, by rows: slices with an element for each row, [`Owning`], and several of these together.
+///
+/// # Safety
+/// Pieces of disjoint ranges within [`rows`](Self::rows) must be usable at the same time on different threads.
+pub unsafe trait Cut {
+    /// What all units share.
+    type Whole: Sync;
+    /// What a unit gets.
+    type Piece;
+    /// How many rows there are; `None` if that is for others to say.
+    fn rows(&self) -> Option<usize>;
+    /// Ready to be cut.
+    fn whole(self) -> Self::Whole;
+    /// The piece of a range of rows.
+    ///
+    /// # Safety
+    /// `range` lies inside the rows, and no other piece with one of them exists.
+    unsafe fn piece(whole: &Self::Whole, range: &Range<usize>) -> Self::Piece;
+}
+
+// SAFETY: elements of disjoint ranges are disjoint, and T is Send.
+unsafe impl<'a, T: Send> Cut for &'a mut [T] {
+    type Whole = Base<T>;
+    type Piece = &'a mut [T];
+    fn rows(&self) -> Option<usize> {
+        Some(self.len())
+    }
+    fn whole(self) -> Base<T> {
+        Base(self.as_mut_ptr())
+    }
+    #[inline(always)]
+    unsafe fn piece(whole: &Base<T>, range: &Range<usize>) -> &'a mut [T] {
+        // SAFETY: promised by the caller; the slice is borrowed for `'a`.
+        unsafe { whole.piece(range) }
+    }
+}
+
+// SAFETY: elements are only read, and T is Sync.
+unsafe impl<'a, T: Sync> Cut for &'a [T] {
+    type Whole = &'a [T];
+    type Piece = &'a [T];
+    fn rows(&self) -> Option<usize> {
+        Some(self.len())
+    }
+    fn whole(self) -> &'a [T] {
+        self
+    }
+    #[inline(always)]
+    unsafe fn piece(whole: &&'a [T], range: &Range<usize>) -> &'a [T] {
+        &whole[range.clone()]
+    }
+}
+
+/// Items and, for each, the row that owns it; any other number where none does. Items beyond the shorter of both lists are out of reach.
+pub struct Owning<'a, T>(pub &'a mut [T], pub &'a [u32]);
+
+/// The items of a unit's rows.
+pub struct Owned<'a, T> {
+    items: *mut T,
+    owners: &'a [u32],
+    rows: Range<usize>,
+    borrow: PhantomData<&'a mut [T]>,
+}
+
+impl<T> Owned<'_, T> {
+    /// Item `item`, if row `row` owns it and is one of this unit's.
+    #[inline(always)]
+    pub fn get(&mut self, row: usize, item: usize) -> Option<&mut T> {
+        if !self.rows.contains(&row) || self.owners.get(item).is_none_or(|o| *o as usize != row) {
+            return None;
+        }
+        // SAFETY: `owners` is no longer than the items, so `item` lies inside. An item has one owner and rows of different pieces are disjoint, so
+        // no other piece reaches it; of this one, the reference borrows `self`.
+        Some(unsafe { &mut *self.items.add(item) })
+    }
+}
+
+// SAFETY: an item has one owner, so items of disjoint ranges of rows are disjoint, and T is Send.
+unsafe impl<'a, T: Send> Cut for Owning<'a, T> {
+    type Whole = (Base<T>, &'a [u32]);
+    type Piece = Owned<'a, T>;
+    fn rows(&self) -> Option<usize> {
+        None
+    }
+    fn whole(self) -> Self::Whole {
+        let reach = self.0.len().min(self.1.len());
+        (Base(self.0.as_mut_ptr()), &self.1[..reach])
+    }
+    #[inline(always)]
+    unsafe fn piece((items, owners): &Self::Whole, range: &Range<usize>) -> Owned<'a, T> {
+        Owned { items: items.0, owners, rows: range.clone(), borrow: PhantomData }
+    }
+}
+
+macro_rules! cut_together {
+    ($($column:ident $C:ident),+) => {
+        // SAFETY: as for each of them.
+        unsafe impl<$($C: Cut),+> Cut for ($($C,)+) {
+            type Whole = ($($C::Whole,)+);
+            type Piece = ($($C::Piece,)+);
+            fn rows(&self) -> Option<usize> {
+                let ($($column,)+) = self;
+                let mut rows = None;
+                $(if let Some(n) = $column.rows() {
+                    assert!(rows.is_none_or(|r| r == n), "columns of different lengths");
+                    rows = Some(n);
+                })+
+                rows
+            }
+            fn whole(self) -> Self::Whole {
+                let ($($column,)+) = self;
+                ($($column.whole(),)+)
+            }
+            #[inline(always)]
+            unsafe fn piece(($($column,)+): &Self::Whole, range: &Range<usize>) -> Self::Piece {
+                // SAFETY: promised by the caller.
+                unsafe { ($($C::piece($column, range),)+) }
+            }
+        }
+    };
+}
+
+cut_together!(a A, b B);
+cut_together!(a A, b B, c C);
+cut_together!(a A, b B, c C, d D);
+cut_together!(a A, b B, c C, d D, e E);
+
 fn range(unit: usize, chunk: usize, len: usize) -> Range<usize> {
     let first = unit * chunk;
     first..(len - first).min(chunk) + first
 }
 
 impl Tasks {
+    /// Calls `f(first row, piece)` for the pieces of `chunk` rows of whatever can be cut (the last may be shorter; a `chunk` of 0 counts as 1).
+    ///
+    /// # Panics
+    /// If slices that are cut together differ in length.
+    pub fn for_each_piece<C: Cut>(&self, columns: C, chunk: usize, f: impl Fn(usize, C::Piece) + Sync) {
+        let (len, chunk) = (columns.rows().unwrap_or(0), chunk.max(1));
+        let whole = &columns.whole();
+        self.run(len.div_ceil(chunk), &|unit| {
+            let range = range(unit, chunk, len);
+            // SAFETY: ranges of different units are disjoint and each unit is run once.
+            f(range.start, unsafe { C::piece(whole, &range) });
+        });
+    }
+
     /// Calls `f(first index, chunk)` for every chunk of `chunk` elements (the last may be shorter; a `chunk` of 0
     /// counts as 1).
     pub fn for_each_chunk<T: Send>(&self, items: &mut [T], chunk: usize, f: impl Fn(usize, &mut [T]) + Sync) {
-        let (len, chunk) = (items.len(), chunk.max(1));
-        let base = Base(items.as_mut_ptr());
-        let base = &base;
-        self.run(len.div_ceil(chunk), &|unit| {
-            let range = range(unit, chunk, len);
-            // SAFETY: ranges of different units are disjoint and each unit is run once; `items` is borrowed until
-            // `run` returns.
-            f(range.start, unsafe { base.piece(&range) });
-        });
+        self.for_each_piece(items, chunk, f);
     }
 
     /// Calls `f(index, element)` for every element; `chunk` elements make a unit.
@@ -95,15 +232,7 @@ macro_rules! side_by_side {
                 chunk: usize,
                 f: impl Fn(usize, $(&mut [$T]),+) + Sync,
             ) {
-                let lens = [$($column.len()),+];
-                assert!(lens.iter().all(|l| *l == lens[0]), "columns of different lengths");
-                let (len, chunk) = (lens[0], chunk.max(1));
-                $(let $column = &Base($column.as_mut_ptr());)+
-                self.run(len.div_ceil(chunk), &|unit| {
-                    let range = range(unit, chunk, len);
-                    // SAFETY: as in `for_each_chunk`, for each of the slices; their lengths are equal.
-                    f(range.start, $(unsafe { $column.piece(&range) }),+);
-                });
+                self.for_each_piece(($($column),+), chunk, |first, ($($column),+)| f(first, $($column),+));
             }
 
             /// Calls `f(index, …)` for the elements of several slices side by side; `chunk` elements make a unit.
@@ -129,10 +258,10 @@ macro_rules! side_by_side {
 
 side_by_side!(for_each_chunk2, for_each2: a A, b B);
 side_by_side!(for_each_chunk3, for_each3: a A, b B, c C);
-side_by_side!(for_each_chunk5, for_each5: a A, b B, c C, d D, e E);
 
 #[cfg(test)]
 mod tests {
+    use super::Owning;
     use crate::Tasks;
 
     fn schedulers() -> [Tasks; 4] {
@@ -164,8 +293,12 @@ mod tests {
             let (mut d, mut e) = (vec![0u16; 333], vec![0i64; 333]);
             tasks.for_each(&mut a, 10, |i, a| *a += i as u64);
             tasks.for_each2((&mut a, &mut b), 10, |i, a, b| (*a, *b) = (*a * 2, *a as u32 + i as u32));
-            tasks.for_each5((&mut a, &mut b, &mut c, &mut d, &mut e), 10, |i, a, b, c, d, e| {
-                (*c, *d, *e) = ((*a + *b as u64 + i as u64) as u8, i as u16, -(*b as i64));
+            let columns = (&mut a[..], &mut b[..], &mut c[..], &mut d[..], &mut e[..]);
+            tasks.for_each_piece(columns, 10, |first, (a, b, c, d, e)| {
+                for i in 0..a.len() {
+                    let n = (first + i) as u64;
+                    (c[i], d[i], e[i]) = ((a[i] + u64::from(b[i]) + n) as u8, n as u16, -i64::from(b[i]));
+                }
             });
             for i in 0..333u64 {
                 let (x, y) = ((1 + i) * 2, 1 + 2 * i);
@@ -173,6 +306,40 @@ mod tests {
                 assert_eq!((a[i], b[i] as u64), (x, y));
                 assert_eq!((c[i], d[i], e[i]), ((x + y + i as u64) as u8, i as u16, -(y as i64)));
             }
+        }
+    }
+
+    /// Items of a row are reached from that row and its unit, and from nowhere else.
+    #[test]
+    fn items_go_with_their_owners() {
+        for tasks in schedulers() {
+            let rows = 300;
+            // Row r owns item (7 r + 3) mod 600; the others say a row that does not exist.
+            let item = |row: usize| (7 * row + 3) % 600;
+            let mut owners = vec![u32::MAX; 500];
+            for row in (0..rows).filter(|r| item(*r) < 500) {
+                owners[item(row)] = row as u32;
+            }
+            let mut items = vec![0usize; 600];
+            let mut told = vec![false; rows];
+            tasks.for_each_piece((&mut told[..], Owning(&mut items, &owners)), 9, |first, (told, mut own)| {
+                for (i, told) in told.iter_mut().enumerate() {
+                    let row = first + i;
+                    if let Some(mine) = own.get(row, item(row)) {
+                        *mine += row + 1;
+                        *told = true;
+                    }
+                    let other = (row + 1) % rows;
+                    assert!(own.get(row, item(other)).is_none(), "of another row");
+                    assert!(own.get((row + 9) % rows, item((row + 9) % rows)).is_none(), "of another unit");
+                    assert!(own.get(row, usize::MAX).is_none());
+                }
+            });
+            for row in 0..rows {
+                assert_eq!(told[row], item(row) < 500);
+                assert_eq!(items[item(row)], if told[row] { row + 1 } else { 0 });
+            }
+            assert_eq!(items.iter().filter(|i| **i > 0).count(), told.iter().filter(|t| **t).count());
         }
     }
 

@@ -19,6 +19,8 @@ use jounce_geometry::{
 use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
 use std::sync::PoisonError;
 
+/// Bodies per unit, while the fast ones are looked for.
+const BODIES: usize = 256;
 /// Fast bodies per unit.
 const CHUNK: usize = 4;
 /// A body that moved less than this part of its inner radius cannot have passed anything.
@@ -42,15 +44,26 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     }
     let mut hits = core::mem::take(&mut world.scratch.hits);
     hits.clear();
-    for (s, b) in world.awake.state.iter().zip(&mut world.awake.step) {
-        let body = &world.bodies[b.body];
-        b.halted = b.halted.saturating_sub(1);
-        let s = s.get();
-        let moved = s.dp.length() + s.dr.length() * (body.mass.outer_radius - body.mass.inner_radius);
-        if b.kind == BodyKind::Dynamic && moved > FAST * body.mass.inner_radius && moved.is_finite() {
-            hits.push((b.body, 1.0));
+    let found = &mut world.scratch.found;
+    found.begin(world.awake.step.len().div_ceil(BODIES));
+    let (bodies, found) = (&world.bodies, &*found);
+    let columns = (&world.awake.state[..], &mut world.awake.step[..]);
+    world.tasks.for_each_piece(columns, BODIES, |first, (states, steps)| {
+        for (s, b) in states.iter().zip(steps) {
+            let mass = &bodies[b.body].mass;
+            b.halted = b.halted.saturating_sub(1);
+            let s = s.get();
+            let moved = s.dp.length() + s.dr.length() * (mass.outer_radius - mass.inner_radius);
+            if b.kind == BodyKind::Dynamic && moved > FAST * mass.inner_radius && moved.is_finite() {
+                found.of(first / BODIES).push(b.body);
+            }
         }
-    }
+    });
+    let mut fast = core::mem::take(&mut world.scratch.ends);
+    fast.clear();
+    world.scratch.found.gather(&mut fast);
+    hits.extend(fast.iter().map(|&body| (body, 1.0)));
+    world.scratch.ends = fast;
     world.scratch.sets.at_least(hits.len().div_ceil(CHUNK));
     let shared: &World = world;
     shared.tasks.for_each_chunk(&mut hits, CHUNK, |first, chunk| {

@@ -5,33 +5,49 @@ use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::{BodyFrame, BodyState, BodyStep, lock_bits};
 use crate::world::World;
 use jounce_math::{Quat, Vec3, scalar::f32s};
+use jounce_tasks::Owning;
+
+/// Bodies per unit.
+const BODIES: usize = 128;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
-    let gravity = world.gravity;
-    let mut bad = Vec::new();
-    for i in 0..world.awake.step.len() {
-        let (s, b) = (&mut world.awake.state[i], &mut world.awake.step[i]);
-        let f = &mut world.frames[b.body as usize];
-        f.reset_interpolation();
-        s.rewind();
-        world.travel[b.body as usize] += f64::from(core::mem::take(&mut b.moved));
-        match b.kind {
-            BodyKind::Kinematic => aim(s, b, f, step.dt),
-            _ => {
-                let falls = if b.inv_mass > 0.0 { b.gravity_scale } else { 0.0 };
-                b.acceleration = gravity * falls + b.force * b.inv_mass;
-                // A force that overflows would reach the neighbours within the step: contain it before it acts.
-                if !(b.acceleration.is_finite()
-                    && b.torque.is_finite()
-                    && s.v().is_finite()
-                    && s.w().is_finite())
-                {
-                    bad.push(b.body);
+    let (gravity, bodies) = (world.gravity, &world.bodies);
+    let found = &mut world.scratch.found;
+    found.begin(world.awake.step.len().div_ceil(BODIES));
+    let found = &*found;
+    let a = &mut world.awake;
+    let frames = Owning(&mut world.frames, &world.row_of);
+    let travel = Owning(&mut world.travel, &world.row_of);
+    let columns = (&mut a.state[..], &mut a.step[..], frames, travel);
+    world.tasks.for_each_piece(columns, BODIES, |first, (states, steps, mut frames, mut travel)| {
+        for (i, (s, b)) in states.iter_mut().zip(steps).enumerate() {
+            let (row, slot) = (first + i, b.body as usize);
+            s.rewind();
+            if let Some(way) = travel.get(row, slot) {
+                *way += f64::from(core::mem::take(&mut b.moved));
+            }
+            let Some(f) = frames.get(row, slot) else { continue };
+            f.reset_interpolation();
+            match b.kind {
+                BodyKind::Kinematic => aim(s, b, f, step.dt),
+                _ => {
+                    let falls = if b.inv_mass > 0.0 { b.gravity_scale } else { 0.0 };
+                    b.acceleration = gravity * falls + b.force * b.inv_mass;
+                    // A force that overflows would reach the neighbours within the step: contain it before it acts.
+                    if !(b.acceleration.is_finite()
+                        && b.torque.is_finite()
+                        && s.v().is_finite()
+                        && s.w().is_finite())
+                    {
+                        found.of(first / BODIES).push(b.body);
+                    }
+                    debug_assert_eq!(b.locks, lock_bits(&bodies[b.body].locks));
                 }
-                debug_assert_eq!(b.locks, lock_bits(&world.bodies[b.body].locks));
             }
         }
-    }
+    });
+    let mut bad = Vec::new();
+    world.scratch.found.gather(&mut bad);
     for body in bad {
         super::guard::quarantine(world, body);
     }

@@ -4,32 +4,41 @@
 use super::{Step, substep};
 use crate::event::Event;
 use crate::limits::POSITION_MAX;
+use crate::room::rigid::solve::SpeedLimits;
+use crate::room::rigid::state::BodyStep;
 use crate::world::World;
 use jounce_math::Vec3;
 
+/// Bodies per unit.
+const BODIES: usize = 256;
+
 pub(crate) fn run(world: &mut World, step: &Step) {
-    let mut bad = core::mem::take(&mut world.scratch.fields.bad);
     let limits = substep::speed_limits(world, step);
-    // A clamped speed is the limit up to rounding.
-    let at = |v: Vec3, limit: f32| v.length_squared() >= 0.9999 * limit * limit;
-    for (s, b) in world.awake.state.iter().zip(&world.awake.step) {
-        let f = &world.frames[b.body as usize];
-        let inside = f.center.abs().max_component() <= POSITION_MAX;
-        if !(inside
-            && f.center.is_finite()
-            && f.rotation.is_finite()
-            && s.v().is_finite()
-            && s.w().is_finite())
-        {
-            bad.push(b.body);
-        } else if b.guided {
-            // A kinematic body arrives where `move_to` sent it, however far that is.
-        } else if at(s.v(), limits.speed)
-            || !b.fast_rotation && at(s.w(), limits.spin_of(b, &world.bodies[b.body]))
-        {
-            world.events.push(Event::SpeedLimited { body: world.body_id(b.body) });
+    // Nearly all are well: all are looked at on all threads, and the others after that, in their order.
+    let found = &mut world.scratch.found;
+    found.begin(world.awake.step.len().div_ceil(BODIES));
+    let shared: &World = world;
+    shared.tasks.for_each_piece(&shared.awake.step[..], BODIES, |first, steps| {
+        for (i, b) in steps.iter().enumerate() {
+            let row = first + i;
+            if find(shared, row, b, &limits) != Finding::Well {
+                shared.scratch.found.of(first / BODIES).push(row as u32);
+            }
+        }
+    });
+    let mut rows = core::mem::take(&mut world.scratch.ends);
+    rows.clear();
+    world.scratch.found.gather(&mut rows);
+    let mut bad = core::mem::take(&mut world.scratch.fields.bad);
+    for &row in &rows {
+        let b = &world.awake.step[row as usize];
+        match find(world, row as usize, b, &limits) {
+            Finding::Well => {}
+            Finding::Lost => bad.push(b.body),
+            Finding::Limited => world.events.push(Event::SpeedLimited { body: world.body_id(b.body) }),
         }
     }
+    world.scratch.ends = rows;
     bad.sort_unstable();
     bad.dedup();
     for &slot in &bad {
@@ -37,6 +46,35 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     }
     bad.clear();
     world.scratch.fields.bad = bad;
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Finding {
+    Well,
+    /// Not finite, or out of the world.
+    Lost,
+    /// As fast as it may be.
+    Limited,
+}
+
+fn find(world: &World, row: usize, b: &BodyStep, limits: &SpeedLimits) -> Finding {
+    let s = &world.awake.state[row];
+    let f = &world.frames[b.body as usize];
+    // A clamped speed is the limit up to rounding.
+    let at = |v: Vec3, limit: f32| v.length_squared() >= 0.9999 * limit * limit;
+    let inside = f.center.abs().max_component() <= POSITION_MAX;
+    if !(inside && f.center.is_finite() && f.rotation.is_finite() && s.v().is_finite() && s.w().is_finite()) {
+        Finding::Lost
+    } else if b.guided {
+        // A kinematic body arrives where `move_to` sent it, however far that is.
+        Finding::Well
+    } else if at(s.v(), limits.speed)
+        || !b.fast_rotation && at(s.w(), limits.spin_of(b, &world.bodies[b.body]))
+    {
+        Finding::Limited
+    } else {
+        Finding::Well
+    }
 }
 
 pub(crate) fn quarantine(world: &mut World, slot: u32) {

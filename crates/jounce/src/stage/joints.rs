@@ -32,9 +32,8 @@ pub(crate) struct JointScratch {
     pub nets: [Rows; 3],
     pub points: Rows<PointBlock>,
     ids: Vec<u32>,
-    /// Versions and awake bodies that they were gathered for.
-    of: (u64, u64),
-    seen: Vec<(u32, BodyKind, u8)>,
+    /// Versions of joints and of the awake bodies that they were gathered for.
+    of: (u64, u64, u64),
     /// A bit for each slot of the table.
     marks: Vec<u64>,
     /// Who was gathered, and which ends moved, when the sets were made.
@@ -58,13 +57,10 @@ impl JointScratch {
 /// Once per step: the sets, and where everything stands.
 pub(crate) fn prepare(world: &mut World, step: &Step) {
     let mut s = core::mem::take(&mut world.scratch.joints);
-    let awake = || world.awake.step.iter().map(|b| (b.body, b.kind, b.locks));
-    let now = (world.joints.version, world.joints.edits);
-    let still = s.of == now && s.seen.iter().copied().eq(awake());
+    let now = (world.joints.version, world.joints.edits, world.awake.changes);
+    let still = s.of == now;
     if !still {
         s.of = now;
-        s.seen.clear();
-        s.seen.extend(awake());
         s.ids.clear();
         if !world.joints.is_empty() {
             gather(world, &mut s.marks, &mut s.ids);

@@ -33,7 +33,7 @@ use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::state::NONE;
 use jounce_geometry::ManifoldSet;
 use jounce_tasks::ColorSets;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::sync::atomic::AtomicU64;
 
 /// What every stage is given about the step.
@@ -49,11 +49,13 @@ pub(crate) struct Step {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     pub colors: ColorSets,
-    /// By body, while colours are found: its row, or none.
-    pub items: Vec<u32>,
     /// (contact row, manifold) by payload.
     pub rows: Vec<(u32, u32)>,
     pub places: Places,
+    /// By contact: what the colouring asks of it.
+    pub outlines: Vec<prepare::Outline>,
+    /// Rows or bodies that a unit has found, one list per unit.
+    pub found: Lists,
     pub blocks: Vec<Vec<Block>>,
     /// By awake row: velocities before a pass over contacts, and what those of the last substep added to them.
     pub pushed: Vec<crate::room::rigid::pass::Pushed>,
@@ -76,8 +78,6 @@ pub(crate) struct Scratch {
     pub ends: Vec<u32>,
     /// Contact rows that the islands stage looks at.
     pub rows_told: Vec<u32>,
-    /// By awake row: frames at the end of the step, on several threads.
-    pub ends_of_step: Vec<crate::room::rigid::state::BodyFrame>,
     /// New bounds, one list per unit.
     pub bounds: publish::Moves,
     /// Bodies to wake.
@@ -173,6 +173,35 @@ impl Scratch {
     }
     pub fn overflow_rows(&self) -> usize {
         self.colors.overflow().len()
+    }
+}
+
+/// A list of numbers per unit; a unit locks its own, so no lock is ever waited for.
+#[derive(Debug, Default)]
+pub(crate) struct Lists(Vec<Mutex<Vec<u32>>>);
+
+impl Lists {
+    /// Makes sure that there are lists for so many units.
+    pub fn begin(&mut self, units: usize) {
+        self.0.resize_with(self.0.len().max(units), Mutex::default);
+        self.0.iter_mut().for_each(|l| l.get_mut().unwrap_or_else(PoisonError::into_inner).clear());
+    }
+    /// That of a unit.
+    pub fn of(&self, unit: usize) -> MutexGuard<'_, Vec<u32>> {
+        self.0[unit].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+    /// All of them, in the order of units, into one.
+    pub fn gather(&mut self, into: &mut Vec<u32>) {
+        for list in &mut self.0 {
+            into.append(list.get_mut().unwrap_or_else(PoisonError::into_inner));
+        }
+    }
+}
+
+impl Clone for Lists {
+    /// Memory, not state: a clone starts without.
+    fn clone(&self) -> Self {
+        Self::default()
     }
 }
 

@@ -9,11 +9,14 @@ use crate::room::joints::net::solve::{self, Constants, Pass, Sweep};
 use crate::room::joints::net::{Rows, Type};
 use crate::room::joints::rows::{Ends, Start};
 use crate::room::joints::set::{self, JointSet, TORN};
-use crate::room::rigid::desc::BodyKind;
-use crate::room::rigid::state::{BodyState, InvInertia, NONE};
+use crate::room::rigid::state::{BodyState, InvInertia};
+use crate::table::Entry;
 use crate::world::World;
 use jounce_lanes::Width;
-use jounce_tasks::ColorSets;
+use jounce_tasks::{ColorSets, Owning};
+
+/// Joints per unit.
+const JOINTS: usize = 128;
 
 /// Is the set solved row by row, and all its joints of kinds that the kernels know?
 pub(super) fn knows(world: &World, set: &JointSet, h: f32) -> bool {
@@ -31,21 +34,16 @@ pub(super) fn is_unlocked(world: &World, set: &JointSet) -> bool {
 /// bodies as they were.
 pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed: bool, still: bool) {
     let awake = &world.awake;
-    let item = |body: u32| match world.frames[body as usize].row {
-        NONE => ColorSets::NONE,
-        row if awake.step[row as usize].kind == BodyKind::Dynamic => row,
-        row => ColorSets::shared(row),
-    };
     // What is only read does not give way.
     let inertia = |item: u32| awake.inertia.get(item as usize).unwrap_or(&InvInertia::FIXED);
     let of = |id: u32| {
         let j = &world.joints.table[id];
         let bodies = [j.body_a, j.body_b];
-        (bodies, bodies.map(item))
+        (bodies, bodies.map(|b| world.items[b as usize]))
     };
     let moved = (changed || !still) && s.points.arrange(awake.state.len(), of);
     let sets = &s.sets;
-    let Rows { ids, sets: owners, bodies, items, colors, blocks } = &mut s.points;
+    let Rows { ids, sets: set_of, bodies, items, colors, blocks, .. } = &mut s.points;
     for (color, blocks) in blocks.iter_mut().enumerate() {
         let list = colors.rows(color);
         world.tasks.for_each(blocks, 4, |i, block| {
@@ -56,7 +54,7 @@ pub(super) fn prepare(world: &World, s: &mut JointScratch, step: &Step, changed:
                 if changed || moved {
                     block.describe(l, &world.joints.table[ids[joint]], [a.local_center, b.local_center]);
                 }
-                *source = Source::new(a, b, items[joint].map(inertia), sets[owners[joint] as usize].pushed);
+                *source = Source::new(a, b, items[joint].map(inertia), sets[set_of[joint] as usize].pushed);
             }
             block.begin(world.width, &sources);
         });
@@ -170,29 +168,43 @@ pub(super) fn relax(world: &mut World, step: &Step, last: bool) {
 
 /// Impulses back to the records, and what broke: joint, force, torque.
 pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
-    for (color, blocks) in s.points.blocks.iter().enumerate() {
-        for (i, row) in s.points.colors.rows(color).iter().enumerate() {
-            blocks[i / LANES].store(i, &mut world.joints.table[s.points.id(row)], step.dt);
+    let (states, frames, dt) = (&world.awake.state, &world.frames, step.dt);
+    let table = &mut world.joints.table;
+    let Rows { ids, places, owners, blocks, .. } = &s.points;
+    let columns = (&ids[..], &places[..], Owning(table.entries_mut(), owners));
+    world.tasks.for_each_piece(columns, JOINTS, |first, (ids, places, mut table)| {
+        for (i, (&id, &(color, row))) in ids.iter().zip(places).enumerate() {
+            let block = blocks[usize::from(color)].get(row as usize / LANES);
+            if let (Some(block), Some(j)) = (block, table.get(first + i, id as usize).and_then(Entry::get_mut)) {
+                block.store(row as usize, j, dt);
+            }
         }
-    }
+    });
     for (rows, kind) in s.nets.iter().zip(Type::ALL) {
-        for (color, blocks) in rows.blocks.iter().enumerate() {
-            for (i, row) in rows.colors.rows(color).iter().enumerate() {
-                let id = rows.id(row);
-                let j = &mut world.joints.table[id];
-                if blocks[i / LANES].store(i, j, step.dt) {
-                    s.broke.push((id, j.force.length(), j.torque.length()));
+        let Rows { ids, places, owners, blocks, .. } = rows;
+        world.scratch.found.begin(ids.len().div_ceil(JOINTS));
+        let found = &world.scratch.found;
+        let columns = (&ids[..], &places[..], Owning(table.entries_mut(), owners));
+        world.tasks.for_each_piece(columns, JOINTS, |first, (ids, places, mut table)| {
+            for (i, (&id, &(color, row))) in ids.iter().zip(places).enumerate() {
+                let block = blocks[usize::from(color)].get(row as usize / LANES);
+                let joint = table.get(first + i, id as usize).and_then(Entry::get_mut);
+                let (Some(block), Some(j)) = (block, joint) else { continue };
+                if block.store(row as usize, j, dt) {
+                    found.of(first / JOINTS).push(id);
                 }
                 if kind == Type::Hinge {
                     let state = |slot: u32| {
-                        let row = world.frames[slot as usize].row as usize;
-                        world.awake.state.get(row).unwrap_or(&BodyState::FIXED).get()
+                        states.get(frames[slot as usize].row as usize).unwrap_or(&BodyState::FIXED).get()
                     };
-                    let (fa, fb) = (&world.frames[j.body_a as usize], &world.frames[j.body_b as usize]);
+                    let (fa, fb) = (&frames[j.body_a as usize], &frames[j.body_b as usize]);
                     let e = Ends::now(&Start::new(j, fa, fb), &state(j.body_a), &state(j.body_b));
                     j.coordinate = hinge::angle(e.twist(), j.coordinate).c;
                 }
             }
-        }
+        });
+        let mut broke = Vec::new();
+        world.scratch.found.gather(&mut broke);
+        s.broke.extend(broke.iter().map(|&id| (id, table[id].force.length(), table[id].torque.length())));
     }
 }

@@ -4,7 +4,6 @@ use super::{RowPlace, Step};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::{crowd, load};
-use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_lanes::{dispatch, prefetch};
@@ -12,9 +11,11 @@ use jounce_tasks::{ColorSets, Row};
 
 /// Contacts from the one that is looked at to the one that is asked for.
 const AHEAD: usize = 8;
+/// Contacts per unit.
+const CONTACTS: usize = 256;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
-    name_items(world);
+    outline(world);
     color(world);
     let (rows, deep) = (world.awake.state.len(), core::mem::take(&mut world.scratch.deep));
     let (crowd, shares) = (&mut world.scratch.crowd, &mut world.scratch.shares);
@@ -43,7 +44,6 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         }
     }
     world.scratch.blocks = blocks;
-    world.awake.step.iter().for_each(|b| world.scratch.items[b.body as usize] = ColorSets::NONE);
     super::joints::prepare(world, step);
     super::vehicles::prepare(world, step);
 }
@@ -60,7 +60,7 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let bodies = &world.bodies;
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
-    let (awake, items) = (&mut world.awake, &world.scratch.items);
+    let (awake, items) = (&mut world.awake, &world.items);
     load::raise(&world.heads, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
     world.scratch.loads = loads;
 }
@@ -94,15 +94,35 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
     dispatch(world.width, Prepare { block, sources: &sources, constants: &step.constants });
 }
 
-/// By body: its row as the colouring names it. A list of its own, since a look at frames and rows for each contact costs more than all else here.
-fn name_items(world: &mut World) {
-    let items = &mut world.scratch.items;
-    // Room for those to come too: to grow by one would copy all.
-    items.resize(world.frames.capacity().max(items.len()), ColorSets::NONE);
-    for (row, b) in world.awake.step.iter().enumerate() {
-        let row = row as u32;
-        items[b.body as usize] = if b.kind == BodyKind::Dynamic { row } else { ColorSets::shared(row) };
-    }
+/// What the colouring asks of a contact, found on all threads: the contacts themselves lie anywhere.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Outline {
+    /// 0 where it does not touch.
+    pub manifolds: u32,
+    pub deep: bool,
+    pub load: load::Load,
+}
+
+fn outline(world: &mut World) {
+    let mut outlines = core::mem::take(&mut world.scratch.outlines);
+    outlines.resize(world.contacts.len(), Outline::default());
+    let columns = (&mut outlines[..], &world.contacts[..], &world.heads[..]);
+    world.tasks.for_each_piece(columns, CONTACTS, |_, (outlines, contacts, heads)| {
+        for (i, (outline, h)) in outlines.iter_mut().zip(heads).enumerate() {
+            // What is read of a contact lies in two lines.
+            if let Some(ahead) = contacts.get(i + AHEAD).filter(|_| heads[i + AHEAD].touching) {
+                prefetch(&ahead.hit_speed);
+                prefetch(&ahead.manifold.normal);
+            }
+            *outline = Outline::default();
+            if h.touching {
+                let c = &contacts[i];
+                (outline.manifolds, outline.deep) = (c.manifold_count() as u32, c.deep);
+                outline.load = load::Load::of(c);
+            }
+        }
+    });
+    world.scratch.outlines = outlines;
 }
 
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
@@ -113,31 +133,26 @@ fn color(world: &mut World) {
     scratch.places.begin(world.contacts.len());
     scratch.deep.clear();
     scratch.loads.begin(world.awake.state.len());
-    for (i, h) in world.heads.iter().enumerate() {
-        // What is read of a contact lies in one line.
-        if let Some(ahead) = world.contacts.get(i + AHEAD).filter(|_| world.heads[i + AHEAD].touching) {
-            prefetch(&ahead.hit_speed);
-        }
-        if !h.touching {
+    for (i, (h, c)) in world.heads.iter().zip(&scratch.outlines).enumerate() {
+        if c.manifolds == 0 {
             continue;
         }
-        let c = &world.contacts[i];
         if c.deep {
             scratch.deep.push(i as u32);
         }
-        let (a, b) = (scratch.items[h.bodies[0] as usize], scratch.items[h.bodies[1] as usize]);
-        scratch.loads.add([a, b], c);
+        let (a, b) = (world.items[h.bodies[0] as usize], world.items[h.bodies[1] as usize]);
+        scratch.loads.add([a, b], &c.load);
         // A body asleep on a kinematic one that is awake: nothing for the contact to move.
         if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
             continue;
         }
-        for k in 0..c.manifold_count() {
+        for k in 0..c.manifolds {
             let payload = scratch.rows.len() as u32;
-            scratch.rows.push((i as u32, k as u32));
+            scratch.rows.push((i as u32, k));
             let place = scratch.colors.push(a, b, payload);
             debug_assert!(place.is_some(), "a contact of a body with itself");
             let (color, row) = place.unwrap_or((ColorSets::OVERFLOW, NONE));
-            scratch.places.push(i, k, RowPlace { color, row });
+            scratch.places.push(i, k as usize, RowPlace { color, row });
         }
     }
 }

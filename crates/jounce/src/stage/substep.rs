@@ -12,7 +12,7 @@ use crate::room::rigid::state::BodyState;
 use crate::world::World;
 use jounce_lanes::{Width, dispatch, prefetch};
 use jounce_math::scalar::f32s;
-use jounce_tasks::ColorSets;
+use jounce_tasks::{ColorSets, Owning};
 
 /// Bodies per unit.
 const BODIES: usize = 128;
@@ -205,27 +205,15 @@ fn collect(world: &mut World) {
 fn poses(world: &mut World, step: &Step) {
     let limits = speed_limits(world, step);
     let (a, bodies) = (&mut world.awake, &world.bodies);
-    if world.tasks.is_serial() {
-        for (((s, b), i), t) in a.state.iter_mut().zip(&mut a.step).zip(&mut a.inertia).zip(&mut a.turning) {
-            let frame = &mut world.frames[b.body as usize];
-            rigid::finish(s, b, t, i, frame, &bodies[b.body], step.dt, &limits);
+    let frames = Owning(&mut world.frames, &world.row_of);
+    let columns = (&mut a.state[..], &mut a.step[..], &mut a.inertia[..], &mut a.turning[..], frames);
+    world.tasks.for_each_piece(columns, BODIES, |first, (states, steps, inertia, turning, mut frames)| {
+        for (i, (s, b)) in states.iter_mut().zip(steps).enumerate() {
+            if let Some(frame) = frames.get(first + i, b.body as usize) {
+                rigid::finish(s, b, &mut turning[i], &mut inertia[i], frame, &bodies[b.body], step.dt, &limits);
+            }
         }
-        return;
-    }
-    // Frames lie by slot: units make copies by row, which then go to their places.
-    let (frames, ends) = (&world.frames, &mut world.scratch.ends_of_step);
-    ends.truncate(a.step.len());
-    if let Some(b) = a.step.first() {
-        ends.resize(a.step.len(), frames[b.body as usize]);
-    }
-    let columns = (&mut a.state[..], &mut a.step[..], &mut a.inertia[..], &mut a.turning[..], &mut ends[..]);
-    world.tasks.for_each5(columns, BODIES, |_, s, b, i, t, frame| {
-        *frame = frames[b.body as usize];
-        rigid::finish(s, b, t, i, frame, &bodies[b.body], step.dt, &limits);
     });
-    for (b, end) in a.step.iter().zip(ends) {
-        world.frames[b.body as usize] = *end;
-    }
 }
 
 pub(super) fn speed_limits(world: &World, step: &Step) -> SpeedLimits {

@@ -45,6 +45,25 @@ pub(crate) struct Loads {
     groups: Vec<(bool, f32)>,
 }
 
+/// What a contact gave in the last step: Σ|λ|, Σ λ n, and how fast the two met.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Load {
+    pub size: f32,
+    pub along: Vec3,
+    pub hit_speed: f32,
+}
+
+impl Load {
+    pub fn of(c: &Contact) -> Self {
+        let mut load = Self { hit_speed: c.hit_speed, ..Self::default() };
+        for m in c.manifolds() {
+            load.size += m.total;
+            load.along += m.normal * m.total;
+        }
+        load
+    }
+}
+
 impl Loads {
     /// Starts a step of so many awake bodies.
     pub fn begin(&mut self, rows: usize) {
@@ -52,14 +71,15 @@ impl Loads {
         self.sums.resize(rows, (0.0, Vec3::ZERO, 0.0));
     }
     /// What a contact gave its two bodies in the last step; rows beyond the awake ones are nobody's.
-    pub fn add(&mut self, rows: [u32; 2], c: &Contact) {
-        for m in c.manifolds().filter(|m| m.total != 0.0) {
-            for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
-                if let Some(s) = self.sums.get_mut(row as usize) {
-                    s.0 += m.total;
-                    s.1 += m.normal * (sign * m.total);
-                    s.2 = f32s::max(s.2, c.hit_speed);
-                }
+    pub fn add(&mut self, rows: [u32; 2], load: &Load) {
+        if load.size == 0.0 {
+            return;
+        }
+        for (row, sign) in [(rows[0], -1.0), (rows[1], 1.0)] {
+            if let Some(s) = self.sums.get_mut(row as usize) {
+                s.0 += load.size;
+                s.1 += load.along * sign;
+                s.2 = f32s::max(s.2, load.hit_speed);
             }
         }
     }

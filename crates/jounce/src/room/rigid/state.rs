@@ -340,6 +340,8 @@ pub(crate) struct Awake {
     pub step: Vec<BodyStep>,
     pub turning: Vec<Option<Turning>>,
     pub inertia: Vec<InvInertia>,
+    /// Counts what makes rows other than they were: bodies that come, go or move to another row, their kinds, masses and locks.
+    pub changes: u64,
 }
 
 pub(crate) fn lock_bits(l: &AxisLocks) -> u8 {

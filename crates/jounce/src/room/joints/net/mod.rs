@@ -27,7 +27,7 @@ mod two;
 use super::alike::Kind;
 use super::desc::JointDesc;
 use crate::room::contacts::rows::{LANES, Lane, LaneVec};
-use jounce_tasks::{ColorSets, Row};
+use jounce_tasks::ColorSets;
 
 /// What a block is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -168,6 +168,9 @@ pub(crate) struct Rows<B = Block> {
     pub bodies: Vec<[u32; 2]>,
     pub items: Vec<[u32; 2]>,
     pub colors: ColorSets,
+    /// Colour and row of each joint; and by joint id, which of them it is.
+    pub places: Vec<(u8, u32)>,
+    pub owners: Vec<u32>,
     /// By colour, the overflow last.
     pub blocks: Vec<Vec<B>>,
 }
@@ -185,9 +188,11 @@ impl<B: Clone + Default> Rows<B> {
         let now = now.map(|n| n.1).collect();
         self.items = now;
         self.colors.reset(awake);
+        self.places.clear();
         for (i, [a, b]) in self.items.iter().enumerate() {
-            let pushed = self.colors.push(*a, *b, i as u32);
-            debug_assert!(pushed.is_some(), "a joint of a body with itself, or of none that moves");
+            let place = self.colors.push(*a, *b, i as u32);
+            debug_assert!(place.is_some(), "a joint of a body with itself, or of none that moves");
+            self.places.push(place.unwrap_or((ColorSets::OVERFLOW, u32::MAX)));
         }
         self.blocks.resize(ColorSets::COLORS + 1, Vec::new());
         for (color, blocks) in self.blocks.iter_mut().enumerate() {
@@ -203,12 +208,9 @@ impl<B: Clone + Default> Rows<B> {
     }
 
     pub fn push(&mut self, id: u32, set: usize) {
+        self.owners.resize(self.owners.len().max(id as usize + 1), u32::MAX);
+        self.owners[id as usize] = self.ids.len() as u32;
         self.ids.push(id);
         self.sets.push(set as u32);
-    }
-
-    /// The joint of a row.
-    pub fn id(&self, row: &Row) -> u32 {
-        self.ids[row.payload() as usize]
     }
 }
