@@ -2,19 +2,23 @@
 
 use super::Step;
 use crate::room::contacts::rows::LANES;
-use crate::room::joints::alike::{Band, Kind, Link, NOBODY, Pattern, Side};
+use crate::room::joints::alike::{Band, Kind, Link, Pattern, Side};
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::hinge;
 use crate::room::joints::rows::Ends;
 use crate::room::joints::set::{Constants, JointSet};
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::solve::turns_freely;
-use crate::room::rigid::state::{BodyState, Motion};
+use crate::room::rigid::state::{BodyState, Motion, NONE, Turning};
+use crate::table::Entry;
 use crate::world::World;
 use jounce_math::{Quat, scalar::f32s};
+use jounce_tasks::{Owned, Owning};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// Sets per unit, while it is found which fit.
+const SETS: usize = 16;
 /// Joints in a set up to which it is solved alone: that costs little.
 const SMALL: usize = 4;
 /// Joints of a set at most, and of a way through it: a row of n links that are all at their ends is a beam, with a condition number
@@ -74,26 +78,27 @@ pub(super) fn prepare(
     world: &World,
     sets: &mut [JointSet],
     bands: &mut Vec<Band>,
-    now: &mut Vec<Link>,
+    owners: &mut Owners,
     step: &Step,
 ) {
     let h = step.constants.h;
+    world.tasks.for_each(sets, SETS, |_, set| {
+        core::mem::swap(&mut set.links, &mut set.links_before);
+        let mut links = core::mem::take(&mut set.links);
+        links.clear();
+        if !fits(world, set, h, &mut links) {
+            links.clear();
+        }
+        set.links = links;
+    });
     let mut same = bands.iter().all(|b| b.sets.iter().all(|&s| (s as usize) < sets.len()));
-    for set in sets.iter_mut() {
-        now.clear();
-        if !fits(world, set, h, now) {
-            now.clear();
-        }
-        if set.links != *now {
-            set.links.clone_from(now);
-            same = false;
-        }
-    }
+    same &= sets.iter().all(|s| s.links == s.links_before);
     let banded: usize = bands.iter().map(|b| b.sets.len()).sum();
     if !same || banded != sets.iter().filter(|s| !s.links.is_empty()).count() {
         gather(sets, bands);
     }
     let sets = &*sets;
+    owners.list(world, sets, bands);
     world.tasks.for_each(bands, 1, |_, band| {
         band.clear();
         for l in 0..band.sets.len() {
@@ -110,6 +115,35 @@ pub(super) fn prepare(
             }
         }
     });
+}
+
+/// Which band has a body, by awake row, and which a joint, by id.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Owners {
+    rows: Vec<u32>,
+    joints: Vec<u32>,
+}
+
+impl Owners {
+    fn list(&mut self, world: &World, sets: &[JointSet], bands: &[Band]) {
+        self.rows.clear();
+        self.joints.clear();
+        if bands.is_empty() {
+            return;
+        }
+        self.rows.resize(world.awake.state.len(), NONE);
+        self.joints.resize(world.joints.table.slots() as usize, NONE);
+        for (i, band) in bands.iter().enumerate() {
+            for set in band.sets.iter().map(|&s| &sets[s as usize]) {
+                for b in &set.bodies {
+                    if let Some(owner) = self.rows.get_mut(b.row as usize) {
+                        *owner = i as u32;
+                    }
+                }
+                set.joints.iter().for_each(|s| self.joints[s.id as usize] = i as u32);
+            }
+        }
+    }
 }
 
 /// Sets by their links; a band for every sixteen.
@@ -140,9 +174,13 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut Band) -> bool + Sync) {
     shared.tasks.for_each(&mut bands, 1, |_, band| {
         band.changed = f(shared, band);
     });
-    for band in bands.iter().filter(|b| b.changed) {
-        put(world, band);
-    }
+    let (a, rows) = (&mut world.awake, &world.scratch.joints.owners.rows);
+    let columns = (&bands[..], Owning(&mut a.state, rows), Owning(&mut a.turning, rows));
+    world.tasks.for_each_piece(columns, 1, |first, (bands, mut states, mut turning)| {
+        for (i, band) in bands.iter().enumerate().filter(|(_, b)| b.changed) {
+            put(band, first + i, &mut states, &mut turning);
+        }
+    });
     world.scratch.joints.bands = bands;
 }
 
@@ -163,14 +201,17 @@ fn know(world: &World, band: &mut Band) {
     }
 }
 
-fn put(world: &mut World, band: &Band) {
+/// Velocities, and places where those were put right, of band `at` back to the bodies.
+fn put(
+    band: &Band,
+    at: usize,
+    states: &mut Owned<'_, BodyState>,
+    turning: &mut Owned<'_, Option<Turning>>,
+) {
     for b in &band.bodies {
         for l in 0..band.sets.len() {
             let row = b.rows[l];
-            if row == NOBODY {
-                continue;
-            }
-            let state = &mut world.awake.state[row as usize];
+            let Some(state) = states.get(at, row as usize) else { continue };
             let (v, w) = (b.v.get(l), b.w.get(l));
             if band.placed[l] {
                 let [x, y, z, s] = [0, 1, 2, 3].map(|i: usize| b.dq[i][l]);
@@ -179,7 +220,7 @@ fn put(world: &mut World, band: &Band) {
             }
             state.set_velocity(v, w);
             if b.known[l] == 1.0
-                && let Some(t) = &mut world.awake.turning[row as usize]
+                && let Some(Some(t)) = turning.get(at, row as usize)
             {
                 t.momentum += b.gain.get(l).as_dvec3();
                 t.w = w;
@@ -223,25 +264,34 @@ pub(super) fn finish(
     world: &mut World,
     sets: &[JointSet],
     bands: &[Band],
+    owners: &Owners,
     dt: f32,
     broke: &mut Vec<(u32, f32, f32)>,
 ) {
-    for band in bands {
-        for (l, &set) in band.sets.iter().enumerate() {
-            let set = &sets[set as usize];
-            for (i, s) in set.joints.iter().enumerate() {
-                let motion = |b: usize| {
-                    world.awake.state.get(set.bodies[b].row as usize).unwrap_or(&BodyState::FIXED).get()
-                };
-                let e = Ends::now(&s.start, &motion(s.a), &motion(s.b));
-                let j = &mut world.joints.table[s.id];
-                if band.store_joint(i, l, j, dt, e.qa) {
-                    broke.push((s.id, j.force.length(), j.torque.length()));
-                }
-                if let JointKind::Hinge(_) = j.desc.kind {
-                    j.coordinate = hinge::angle(e.twist(), j.coordinate).c;
+    world.scratch.found.begin(bands.len());
+    let (states, found) = (&world.awake.state, &world.scratch.found);
+    let table = &mut world.joints.table;
+    let columns = (bands, Owning(table.entries_mut(), &owners.joints));
+    world.tasks.for_each_piece(columns, 1, |first, (bands, mut table)| {
+        for (at, band) in bands.iter().enumerate().map(|(i, b)| (first + i, b)) {
+            for (l, &set) in band.sets.iter().enumerate() {
+                let set = &sets[set as usize];
+                for (i, s) in set.joints.iter().enumerate() {
+                    let motion =
+                        |b: usize| states.get(set.bodies[b].row as usize).unwrap_or(&BodyState::FIXED).get();
+                    let Some(j) = table.get(at, s.id as usize).and_then(Entry::get_mut) else { continue };
+                    let e = Ends::now(&s.start, &motion(s.a), &motion(s.b));
+                    if band.store_joint(i, l, j, dt, e.qa) {
+                        found.of(at).push(s.id);
+                    }
+                    if let JointKind::Hinge(_) = j.desc.kind {
+                        j.coordinate = hinge::angle(e.twist(), j.coordinate).c;
+                    }
                 }
             }
         }
-    }
+    });
+    let mut ids = Vec::new();
+    world.scratch.found.gather(&mut ids);
+    broke.extend(ids.iter().map(|&id| (id, table[id].force.length(), table[id].torque.length())));
 }

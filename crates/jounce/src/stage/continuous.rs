@@ -21,8 +21,10 @@ use std::sync::PoisonError;
 
 /// Bodies per unit, while the fast ones are looked for.
 const BODIES: usize = 256;
-/// Fast bodies per unit.
-const CHUNK: usize = 4;
+/// Fast bodies per unit: few where there are few, since each may have many shapes.
+fn unit_of(fast: usize) -> usize {
+    (fast / 64).clamp(1, 4)
+}
 /// A body that moved less than this part of its inner radius cannot have passed anything.
 const FAST: f32 = 0.5;
 /// A turn over which an arc is hardly longer than its chord, rad.
@@ -64,10 +66,11 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     world.scratch.found.gather(&mut fast);
     hits.extend(fast.iter().map(|&body| (body, 1.0)));
     world.scratch.ends = fast;
-    world.scratch.sets.at_least(hits.len().div_ceil(CHUNK));
+    let unit = unit_of(hits.len());
+    world.scratch.sets.at_least(hits.len().div_ceil(unit));
     let shared: &World = world;
-    shared.tasks.for_each_chunk(&mut hits, CHUNK, |first, chunk| {
-        let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
+    shared.tasks.for_each_chunk(&mut hits, unit, |first, chunk| {
+        let mut set = shared.scratch.sets.0[first / unit].lock().unwrap_or_else(PoisonError::into_inner);
         for (slot, t) in chunk {
             *t = first_hit(shared, *slot, &mut set);
         }

@@ -12,14 +12,15 @@ use jounce_math::Vec3;
 use std::sync::atomic::Ordering;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
-    let units = world.contacts.len().div_ceil(narrowphase::CHUNK);
+    let size = narrowphase::unit_of(world.contacts.len());
+    let units = world.contacts.len().div_ceil(size);
     super::joints::stir(world);
     let mut rows = core::mem::take(&mut world.scratch.rows_told);
     rows.clear();
     for (unit, news) in world.scratch.news.0.iter().take(units).enumerate() {
         let mut left = news.load(Ordering::Relaxed);
         while left != 0 {
-            rows.push((unit * narrowphase::CHUNK) as u32 + left.trailing_zeros());
+            rows.push((unit * size) as u32 + left.trailing_zeros());
             left &= left - 1;
         }
     }

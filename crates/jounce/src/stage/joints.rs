@@ -3,7 +3,7 @@
 use super::{Step, alike, nets};
 use crate::groups::{root, unite};
 use crate::room::contacts::prepare::Softness;
-use crate::room::joints::alike::{Band, Link};
+use crate::room::joints::alike::Band;
 use crate::room::joints::desc::JointKind;
 use crate::room::joints::gear::Gear;
 use crate::room::joints::local::Local;
@@ -27,7 +27,7 @@ pub(crate) struct JointScratch {
     pub sets: Vec<JointSet>,
     /// Those of them that are solved side by side.
     pub bands: Vec<Band>,
-    links: Vec<Link>,
+    pub(super) owners: alike::Owners,
     /// Joints of those that are solved as nets, by type.
     pub nets: [Rows; 3],
     pub points: Rows<PointBlock>,
@@ -111,7 +111,7 @@ pub(crate) fn prepare(world: &mut World, step: &Step) {
             begin(shared, set, |j| shared.start(j));
         }
     });
-    alike::prepare(shared, &mut s.sets, &mut s.bands, &mut s.links, step);
+    alike::prepare(shared, &mut s.sets, &mut s.bands, &mut s.owners, step);
     find_pushed(shared, &mut s);
     nets::prepare(shared, &mut s, step, changed, still);
     world.scratch.joints = s;
@@ -438,7 +438,7 @@ pub(crate) fn finish(world: &mut World, step: &Step) {
     }
     let mut s = core::mem::take(&mut world.scratch.joints);
     s.broke.clear();
-    alike::finish(world, &s.sets, &s.bands, step.dt, &mut s.broke);
+    alike::finish(world, &s.sets, &s.bands, &s.owners, step.dt, &mut s.broke);
     nets::finish(world, &mut s, step);
     for set in s.sets.iter().filter(|s| s.is_alone()) {
         for g in &set.gears {

@@ -93,7 +93,7 @@ pub(crate) struct Scratch {
     pub lists: Vec<Vec<u32>>,
     /// Emptied lists of contacts that ended.
     pub manifolds: Vec<Vec<crate::room::contacts::state::ContactManifold>>,
-    pub patches: Vec<seams::Patch>,
+    pub seams: seams::Seams,
     pub impacts: Impacts,
     /// Fast bodies and the time of their first hit.
     pub hits: Vec<(u32, f32)>,

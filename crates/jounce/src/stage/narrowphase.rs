@@ -13,8 +13,12 @@ use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
-/// Contacts per unit: the bits of a word.
-pub(super) const CHUNK: usize = 64;
+/// Contacts per unit at most: the bits of a word.
+const CHUNK: usize = 64;
+/// Contacts per unit: few where there are few, since one on a mesh may take as long as many others.
+pub(super) fn unit_of(contacts: usize) -> usize {
+    (contacts / 64).clamp(8, CHUNK)
+}
 /// Pairs from the one that is looked at to the one that is asked for.
 const AHEAD: usize = 4;
 /// The same in the pass over all pairs, and in that over those that are tested.
@@ -25,13 +29,14 @@ const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     let (mut contacts, mut heads) = (core::mem::take(&mut world.contacts), core::mem::take(&mut world.heads));
-    let units = contacts.len().div_ceil(CHUNK);
+    let unit = unit_of(contacts.len());
+    let units = contacts.len().div_ceil(unit);
     world.scratch.sets.at_least(units);
     world.scratch.news.at_least(units);
     let shared: &World = world;
     let columns = (&mut contacts[..], &mut heads[..]);
-    shared.tasks.for_each_chunk2(columns, CHUNK, |first, chunk, heads| {
-        let mut set = shared.scratch.sets.0[first / CHUNK].lock().unwrap_or_else(PoisonError::into_inner);
+    shared.tasks.for_each_chunk2(columns, unit, |first, chunk, heads| {
+        let mut set = shared.scratch.sets.0[first / unit].lock().unwrap_or_else(PoisonError::into_inner);
         let mut news = 0;
         // Three passes, each of which asks ahead for what its own pairs read: most pairs stay apart, most others hardly moved.
         let near = Picked::among(chunk.len(), |i| {
@@ -62,7 +67,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             let room = if c.bouncy { 0.0 } else { c.spare };
             news |= u64::from(finish(shared, c, h, room)) << i;
         }
-        shared.scratch.news.0[first / CHUNK].store(news, Ordering::Relaxed);
+        shared.scratch.news.0[first / unit].store(news, Ordering::Relaxed);
     });
     (world.contacts, world.heads) = (contacts, heads);
 }

@@ -10,8 +10,10 @@ use jounce_geometry::Aabb;
 use jounce_math::{Vec3, scalar::f32s};
 use std::sync::{Mutex, PoisonError};
 
-/// Bodies in a unit.
-const BODIES: usize = 128;
+/// Bodies in a unit: few where there are few, since each may have many shapes.
+fn unit_of(bodies: usize) -> usize {
+    (bodies / 64).clamp(4, 128)
+}
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     bounds(world, step);
@@ -43,13 +45,14 @@ struct Left {
 fn bounds(world: &mut World, step: &Step) {
     let mut steps = core::mem::take(&mut world.awake.step);
     let mut moves = core::mem::take(&mut world.scratch.bounds);
-    let units = steps.len().div_ceil(BODIES);
+    let unit = unit_of(steps.len());
+    let units = steps.len().div_ceil(unit);
     moves.0.resize_with(units.max(moves.0.len()), Mutex::default);
     let shared: &World = world;
     let lists = &moves.0;
-    shared.tasks.for_each_chunk(&mut steps, BODIES, |first, chunk| {
+    shared.tasks.for_each_chunk(&mut steps, unit, |first, chunk| {
         // A unit locks its own list, so no lock is ever waited for.
-        let mut left = lists[first / BODIES].lock().unwrap_or_else(PoisonError::into_inner);
+        let mut left = lists[first / unit].lock().unwrap_or_else(PoisonError::into_inner);
         left.bounded.clear();
         left.unbounded.clear();
         for (i, b) in chunk.iter_mut().enumerate() {

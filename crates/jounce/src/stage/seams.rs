@@ -13,9 +13,31 @@ use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
 use jounce_geometry::{Aabb, FACE_A, FACE_B};
 use jounce_math::{DVec3, Vec3};
+use std::sync::{Mutex, PoisonError};
 
 /// Cosine of the angle (18°) up to which a lean counts as the plane's own.
 const LEAN_COSINE: f32 = 0.95;
+
+/// Bodies per unit.
+const BODIES: usize = 32;
+
+/// What units found, one each; a unit locks its own, so no lock is ever waited for.
+#[derive(Debug, Default)]
+pub(crate) struct Seams(Vec<Mutex<Unit>>);
+
+#[derive(Debug, Default)]
+struct Unit {
+    patches: Vec<Patch>,
+    /// What takes another normal, or none: it is dropped.
+    changes: Vec<(Patch, Option<Vec3>)>,
+}
+
+impl Clone for Seams {
+    /// Memory, not state: a clone starts without.
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
 
 /// A manifold against a fixed body, seen from the moving body's centre of mass, world axes.
 #[derive(Clone, Copy, Debug)]
@@ -38,21 +60,35 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     count.resize(world.awake.state.len(), 0);
     for h in world.heads.iter().filter(|h| h.touching && h.fixed) {
         for body in h.bodies {
-            if let Some(n) = count.get_mut(world.frames[body as usize].row as usize) {
+            if let Some(n) = count.get_mut(world.row_of[body as usize] as usize) {
                 *n += 1;
             }
         }
     }
-    let mut patches = core::mem::take(&mut world.scratch.patches);
-    for row in 0..count.len() {
-        if count[row] >= 2 && world.awake.step[row].kind == BodyKind::Dynamic {
-            body(world, world.awake.step[row].body, &mut patches);
+    let mut seams = core::mem::take(&mut world.scratch.seams);
+    seams.0.resize_with(seams.0.len().max(count.len().div_ceil(BODIES)), Mutex::default);
+    let (shared, lists): (&World, _) = (world, &seams.0);
+    let columns = (&count[..], &shared.awake.step[..]);
+    shared.tasks.for_each_piece(columns, BODIES, |first, (count, steps)| {
+        let mut unit = lists[first / BODIES].lock().unwrap_or_else(PoisonError::into_inner);
+        let Unit { patches, changes } = &mut *unit;
+        for (_, b) in count.iter().zip(steps).filter(|(n, b)| **n >= 2 && b.kind == BodyKind::Dynamic) {
+            body(shared, b.body, patches, changes);
+        }
+    });
+    for unit in &mut seams.0 {
+        let unit = unit.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for (m, normal) in unit.changes.drain(..) {
+            match normal {
+                Some(normal) => adopt(world, &m, normal),
+                None => drop(world, &m),
+            }
         }
     }
-    (world.scratch.parent, world.scratch.patches) = (count, patches);
+    (world.scratch.parent, world.scratch.seams) = (count, seams);
 }
 
-fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
+fn body(world: &World, slot: u32, patches: &mut Vec<Patch>, changes: &mut Vec<(Patch, Option<Vec3>)>) {
     gather(world, slot, patches);
     let center = world.frames[slot as usize].center;
     for m in patches.iter() {
@@ -65,11 +101,8 @@ fn body(world: &mut World, slot: u32, patches: &mut Vec<Patch>) {
         });
         // What has the normal already keeps it: another face of the same points would give it back and forth.
         if let Some(f) = face.filter(|f| f.normal != m.normal) {
-            if m.count == 1 && world.contacts[m.row as usize].rest.is_empty() {
-                drop(world, m);
-            } else {
-                adopt(world, m, f.normal);
-            }
+            let dropped = m.count == 1 && world.contacts[m.row as usize].rest.is_empty();
+            changes.push((*m, (!dropped).then_some(f.normal)));
         }
     }
 }

@@ -26,11 +26,11 @@ pub(crate) fn part(world: &mut World, step: &Step) {
 
 /// The set of each awake row, of sets in which something turns far; nothing where none does.
 fn mark(world: &World, step: &Step, owners: &mut Vec<u32>) {
-    let (frames, rows) = (&world.frames, world.awake.state.len());
+    let rows = world.awake.state.len();
     let spins = |row: u32| spin(world, row).length() > TURN / step.dt;
     owners.clear();
     for (i, set) in world.scratch.joints.sets.iter().enumerate() {
-        let of_set = || set.bodies.iter().map(|b| frames[b.slot as usize].row).filter(|r| *r != NONE);
+        let of_set = || set.bodies.iter().map(|b| world.row_of[b.slot as usize]).filter(|r| *r != NONE);
         if of_set().any(spins) {
             owners.resize(rows, NONE);
             of_set().for_each(|r| owners[r as usize] = i as u32);
@@ -46,8 +46,8 @@ fn spin(world: &World, row: u32) -> Vec3 {
 fn blind(world: &mut World, step: &Step, owners: &[u32]) {
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
     let places = &world.scratch.places;
-    for (at, c) in world.contacts.iter().enumerate().filter(|(_, c)| c.touching) {
-        let rows = [c.body_a, c.body_b].map(|b| world.frames[b as usize].row);
+    for (at, h) in world.heads.iter().enumerate().filter(|(_, h)| h.touching) {
+        let rows = h.bodies.map(|b| world.row_of[b as usize]);
         let [a, b] = rows.map(|r| owners.get(r as usize));
         if a.is_none_or(|&a| a == NONE) || a != b {
             continue;
@@ -57,7 +57,7 @@ fn blind(world: &mut World, step: &Step, owners: &[u32]) {
         if least < TURN / step.dt || (a - b).length() > TOGETHER * least {
             continue;
         }
-        for place in (0..c.manifold_count()).filter_map(|k| places.get(at, k)) {
+        for place in (0..world.contacts[at].manifold_count()).filter_map(|k| places.get(at, k)) {
             let (block, lane) = place.lane();
             for p in &mut blocks[usize::from(place.color)][block].points {
                 if p.separation[lane] > 0.0 {

@@ -84,6 +84,8 @@ pub(crate) struct JointSet {
     pub(super) kept: Kept,
     /// Its joints where it is solved in a band of sets alike, else none.
     pub links: Vec<Link>,
+    /// The same of the step before.
+    pub links_before: Vec<Link>,
     /// It is solved as a net, in lanes: none of its joints and bodies is copied then.
     pub net: bool,
     /// Something else pushes its bodies in the substeps (of nets).
