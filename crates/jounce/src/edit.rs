@@ -616,6 +616,7 @@ impl World {
             room: 0.0,
             moved: 0.0,
             radius: 0.0,
+            reach: Vec3::ZERO,
         });
         self.awake.turning.push(None);
         self.awake.inertia.push(InvInertia::default());
@@ -635,8 +636,8 @@ impl World {
     /// Drops a body's row, keeping its velocity in the record; the last row takes its place.
     pub(crate) fn remove_row(&mut self, slot: u32) {
         let row = self.bodies[slot].row as usize;
-        let radius = self.bodies[slot].mass.outer_radius;
-        self.travel[slot as usize] += f64::from(moved(&self.frames[slot as usize], radius));
+        let (radius, reach) = (self.bodies[slot].mass.outer_radius, self.bodies[slot].mass.reach);
+        self.travel[slot as usize] += f64::from(moved(&self.frames[slot as usize], radius, reach));
         let state = self.awake.state.swap_remove(row);
         self.awake.step.swap_remove(row);
         self.awake.turning.swap_remove(row);
@@ -672,7 +673,7 @@ impl World {
         r.locks = lock_bits(&b.locks);
         r.isotropic = b.mass.isotropic;
         r.fast_rotation = b.fast_rotation || round;
-        r.radius = b.mass.outer_radius;
+        (r.radius, r.reach) = (b.mass.outer_radius, b.mass.reach);
         r.sleep_speed = b.sleep_speed.unwrap_or(self.settings.sleep_speed * self.settings.length_unit);
         if let Some(t) = self.awake.turning.get_mut(b.row as usize) {
             *t = None;

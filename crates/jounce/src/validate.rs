@@ -107,7 +107,7 @@ impl World {
             assert!(c.manifold.more || c.rest.is_empty(), "manifolds of contact {} are hidden", c.id);
         }
         for (c, h) in self.contacts.iter().zip(&self.heads) {
-            assert_eq!(*h, PairHead { until: h.until, ..PairHead::new(c) }, "head of contact {}", c.id);
+            assert_eq!(*h, PairHead { until: h.until, renewed: h.renewed, ..PairHead::new(c) }, "head of contact {}", c.id);
             assert!(!(c.touching && h.until > 0.0), "contact {} touches and is apart", c.id);
         }
         for (slot, v) in self.vehicles.table.iter() {

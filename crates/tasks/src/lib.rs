@@ -21,7 +21,7 @@ mod slices;
 
 use std::fmt;
 use std::panic::{RefUnwindSafe, UnwindSafe};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 pub use color::{ColorSets, Row, Scatter};
@@ -109,6 +109,18 @@ impl Tasks {
             Mode::Chaos(chaos) => chaos.pool.as_ref(),
         };
         Attention(pool.map(Pool::attend))
+    }
+
+    /// Calls both, at the same time where there are threads for it: a stage of two units.
+    pub fn join(&self, a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+        fn once(f: &Mutex<Option<impl FnOnce()>>) {
+            let f = f.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(f) = f {
+                f();
+            }
+        }
+        let (a, b) = (Mutex::new(Some(a)), Mutex::new(Some(b)));
+        self.run(2, &|unit| if unit == 0 { once(&a) } else { once(&b) });
     }
 
     /// Calls `f(unit)` exactly once for every unit in `0..units` and returns when all are done.

@@ -349,3 +349,21 @@ impl Drop for Pool {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::Share;
+
+    #[test]
+    fn a_share_is_taken_from_both_ends() {
+        let share = Share::EMPTY;
+        assert_eq!((share.take_first(), share.take_last()), (None, None));
+        share.set(3, 7);
+        let taken = [share.take_first(), share.take_last(), share.take_first(), share.take_last()];
+        assert_eq!(taken, [Some(3), Some(6), Some(4), Some(5)]);
+        assert_eq!((share.take_last(), share.take_first()), (None, None));
+        share.set(u32::MAX as usize - 1, u32::MAX as usize);
+        assert_eq!(share.take_last(), Some(u32::MAX as usize - 1));
+        assert_eq!(share.take_first(), None);
+    }
+}

@@ -247,3 +247,29 @@ fn handles_are_shared_and_printed() {
     }
     assert_eq!(format!("{:?}", Tasks::pool(3)), "Tasks::pool(3)");
 }
+
+#[test]
+fn both_of_a_join_are_done_once() {
+    within(WATCHDOG, || {
+        for tasks in schedulers() {
+            for _ in 0..200 {
+                let _attention = tasks.attend();
+                let (mut a, mut b) = (0, vec![1, 2, 3]);
+                tasks.join(|| a += 1, || b.push(4));
+                assert_eq!((a, b), (1, vec![1, 2, 3, 4]), "{tasks:?}");
+            }
+            let caught = catch_unwind(AssertUnwindSafe(|| tasks.join(|| {}, || panic!("the second"))));
+            assert!(caught.is_err(), "{tasks:?}");
+            check_each_once(&tasks, 50);
+        }
+        // At the same time: each waits for the other.
+        let begun = AtomicUsize::new(0);
+        let wait = || {
+            begun.fetch_add(1, Ordering::SeqCst);
+            while begun.load(Ordering::SeqCst) < 2 {
+                thread::yield_now();
+            }
+        };
+        Tasks::pool(2).join(wait, wait);
+    });
+}

@@ -172,15 +172,16 @@ impl Bvh {
     }
     /// Like [`Bvh::enlarge`] for `count` leaves and their boxes, then [`Bvh::tidy`]. Of many leaves, each only marks what is above it, and
     /// one pass over the marked nodes fits them.
-    pub fn enlarge_all(&mut self, count: usize, leaves: impl IntoIterator<Item = (u32, Aabb)>) {
+    /// `leaves` is called once, with what takes a leaf and its box.
+    pub fn enlarge_all(&mut self, count: usize, leaves: impl FnOnce(&mut dyn FnMut(u32, Aabb))) {
         if count * CROWD < self.len() {
-            leaves.into_iter().for_each(|(leaf, aabb)| self.enlarge(leaf, aabb));
+            leaves(&mut |leaf, aabb| {
+                self.enlarge(leaf, aabb);
+            });
             self.tidy();
             return;
         }
-        for (leaf, aabb) in leaves {
-            self.mark(leaf, aabb);
-        }
+        leaves(&mut |leaf, aabb| self.mark(leaf, aabb));
         if self.enlarged == 0 {
             return;
         }

@@ -117,7 +117,9 @@ fn same_answers_as_a_list_through_inserts_moves_and_removals() {
                     let every = 1 + r.next() as usize % 60;
                     let moved: Vec<usize> = (0..list.len()).filter(|k| k % every == every - 1).collect();
                     moved.iter().for_each(|&k| list[k].1 = r.aabb());
-                    tree.enlarge_all(moved.len(), moved.iter().map(|&k| (list[k].0, list[k].1)));
+                    tree.enlarge_all(moved.len(), |enlarge| {
+                        moved.iter().for_each(|&k| enlarge(list[k].0, list[k].1));
+                    });
                 }
                 5 if step % 5 == 0 => tree.rebuild(),
                 5 if step % 5 < 3 => tree.tidy(),

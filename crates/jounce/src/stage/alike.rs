@@ -268,7 +268,7 @@ pub(super) fn finish(
     dt: f32,
     broke: &mut Vec<(u32, f32, f32)>,
 ) {
-    world.scratch.found.begin(bands.len());
+    world.scratch.found.begin(bands.len(), 0);
     let (states, found) = (&world.awake.state, &world.scratch.found);
     let table = &mut world.joints.table;
     let columns = (bands, Owning(table.entries_mut(), &owners.joints));

@@ -6,6 +6,7 @@
 //! already stays where it is rather than go deeper. A part that goes nowhere deeper into a mesh than a sliding body may is let go.
 //! And the body stops where an end of it that swings round gets deep.
 
+use super::publish::swept;
 use super::{Step, broadphase};
 use crate::edit::world_bounds;
 use crate::room::contacts::state::{Place, ShapeRecord};
@@ -17,7 +18,6 @@ use jounce_geometry::{
     time_of_impact,
 };
 use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
-use std::sync::PoisonError;
 
 /// Bodies per unit, while the fast ones are looked for.
 const BODIES: usize = 256;
@@ -47,15 +47,17 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     let mut hits = core::mem::take(&mut world.scratch.hits);
     hits.clear();
     let found = &mut world.scratch.found;
-    found.begin(world.awake.step.len().div_ceil(BODIES));
-    let (bodies, found) = (&world.bodies, &*found);
+    found.begin(world.awake.step.len().div_ceil(BODIES), BODIES);
+    let (bodies, frames, found) = (&world.bodies, &world.frames, &*found);
     let columns = (&world.awake.state[..], &mut world.awake.step[..]);
     world.tasks.for_each_piece(columns, BODIES, |first, (states, steps)| {
         for (s, b) in states.iter().zip(steps) {
             let mass = &bodies[b.body].mass;
             b.halted = b.halted.saturating_sub(1);
             let s = s.get();
-            let moved = s.dp.length() + s.dr.length() * (mass.outer_radius - mass.inner_radius);
+            let turned = frames[b.body as usize].rotation.inverse_rotate(s.dr);
+            let turn = swept(turned, mass.outer_radius, mass.reach) - s.dr.length() * mass.inner_radius;
+            let moved = s.dp.length() + turn;
             if b.kind == BodyKind::Dynamic && moved > FAST * mass.inner_radius && moved.is_finite() {
                 found.of(first / BODIES).push(b.body);
             }
@@ -67,13 +69,13 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     hits.extend(fast.iter().map(|&body| (body, 1.0)));
     world.scratch.ends = fast;
     let unit = unit_of(hits.len());
-    world.scratch.sets.at_least(hits.len().div_ceil(unit));
     let shared: &World = world;
-    shared.tasks.for_each_chunk(&mut hits, unit, |first, chunk| {
-        let mut set = shared.scratch.sets.0[first / unit].lock().unwrap_or_else(PoisonError::into_inner);
-        for (slot, t) in chunk {
-            *t = first_hit(shared, *slot, &mut set);
-        }
+    shared.tasks.for_each_chunk(&mut hits, unit, |_, chunk| {
+        shared.scratch.sets.lend(|set| {
+            for (slot, t) in chunk {
+                *t = first_hit(shared, *slot, set);
+            }
+        });
     });
     hits.retain(|h| h.1 < 1.0);
     for &(slot, t) in &hits {

@@ -13,7 +13,7 @@ const BODIES: usize = 128;
 pub(crate) fn run(world: &mut World, step: &Step) {
     let (gravity, bodies) = (world.gravity, &world.bodies);
     let found = &mut world.scratch.found;
-    found.begin(world.awake.step.len().div_ceil(BODIES));
+    found.begin(world.awake.step.len().div_ceil(BODIES), 0);
     let found = &*found;
     let a = &mut world.awake;
     let frames = Owning(&mut world.frames, &world.row_of);

@@ -16,7 +16,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let limits = substep::speed_limits(world, step);
     // Nearly all are well: all are looked at on all threads, and the others after that, in their order.
     let found = &mut world.scratch.found;
-    found.begin(world.awake.step.len().div_ceil(BODIES));
+    found.begin(world.awake.step.len().div_ceil(BODIES), 0);
     let shared: &World = world;
     shared.tasks.for_each_piece(&shared.awake.step[..], BODIES, |first, steps| {
         for (i, b) in steps.iter().enumerate() {

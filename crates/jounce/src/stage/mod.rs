@@ -33,7 +33,7 @@ use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::state::NONE;
 use jounce_geometry::ManifoldSet;
 use jounce_tasks::ColorSets;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError, RwLock, RwLockWriteGuard};
 use std::sync::atomic::AtomicU64;
 
 /// What every stage is given about the step.
@@ -52,8 +52,8 @@ pub(crate) struct Scratch {
     /// (contact row, manifold) by payload.
     pub rows: Vec<(u32, u32)>,
     pub places: Places,
-    /// By contact: what the colouring asks of it.
-    pub outlines: Vec<prepare::Outline>,
+    /// What the colouring asks of contacts that touch, one list per unit.
+    pub outlines: Lists<prepare::Outline>,
     /// Rows or bodies that a unit has found, one list per unit.
     pub found: Lists,
     pub blocks: Vec<Vec<Block>>,
@@ -67,7 +67,7 @@ pub(crate) struct Scratch {
     pub crowd: Vec<u32>,
     /// Contact rows that are left a part of their push-out.
     pub shares: Vec<(u32, f32)>,
-    pub sets: Sets,
+    pub sets: Lent<ManifoldSet>,
     pub news: News,
     /// Candidate pairs, one list per unit of the broad phase.
     pub candidates: Vec<Vec<u64>>,
@@ -93,7 +93,8 @@ pub(crate) struct Scratch {
     pub lists: Vec<Vec<u32>>,
     /// Emptied lists of contacts that ended.
     pub manifolds: Vec<Vec<crate::room::contacts::state::ContactManifold>>,
-    pub seams: seams::Seams,
+    pub patches: Lent<Vec<seams::Patch>>,
+    pub seams: Lists<seams::Seam>,
     pub impacts: Impacts,
     /// Fast bodies and the time of their first hit.
     pub hits: Vec<(u32, f32)>,
@@ -176,29 +177,45 @@ impl Scratch {
     }
 }
 
-/// A list of numbers per unit; a unit locks its own, so no lock is ever waited for.
-#[derive(Debug, Default)]
-pub(crate) struct Lists(Vec<Mutex<Vec<u32>>>);
+/// A list per unit; a unit locks its own, so no lock is ever waited for.
+#[derive(Debug)]
+pub(crate) struct Lists<T = u32>(Vec<RwLock<Vec<T>>>);
 
-impl Lists {
-    /// Makes sure that there are lists for so many units.
-    pub fn begin(&mut self, units: usize) {
-        self.0.resize_with(self.0.len().max(units), Mutex::default);
-        self.0.iter_mut().for_each(|l| l.get_mut().unwrap_or_else(PoisonError::into_inner).clear());
+impl<T: Copy> Lists<T> {
+    /// Makes sure that there are lists for so many units, all empty, with room for so many items each.
+    pub fn begin(&mut self, units: usize, room: usize) {
+        self.0.resize_with(self.0.len().max(units), RwLock::default);
+        for (i, list) in self.0.iter_mut().enumerate() {
+            let list = list.get_mut().unwrap_or_else(PoisonError::into_inner);
+            list.clear();
+            list.reserve(if i < units { room } else { 0 });
+        }
     }
     /// That of a unit.
-    pub fn of(&self, unit: usize) -> MutexGuard<'_, Vec<u32>> {
-        self.0[unit].lock().unwrap_or_else(PoisonError::into_inner)
+    pub fn of(&self, unit: usize) -> RwLockWriteGuard<'_, Vec<T>> {
+        self.0[unit].write().unwrap_or_else(PoisonError::into_inner)
     }
     /// All of them, in the order of units, into one.
-    pub fn gather(&mut self, into: &mut Vec<u32>) {
+    pub fn gather(&mut self, into: &mut Vec<T>) {
         for list in &mut self.0 {
             into.append(list.get_mut().unwrap_or_else(PoisonError::into_inner));
         }
     }
+    /// Calls `f` with all items, in the order of units.
+    pub fn for_each(&self, mut f: impl FnMut(&T)) {
+        for list in &self.0 {
+            list.read().unwrap_or_else(PoisonError::into_inner).iter().for_each(&mut f);
+        }
+    }
 }
 
-impl Clone for Lists {
+impl<T> Default for Lists<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<T> Clone for Lists<T> {
     /// Memory, not state: a clone starts without.
     fn clone(&self) -> Self {
         Self::default()
@@ -223,20 +240,29 @@ impl Clone for News {
     }
 }
 
-/// Manifold memory, one per unit of the narrow phase; a unit locks its own, so no lock is ever waited for.
-#[derive(Debug, Default)]
-pub(crate) struct Sets(pub Vec<Mutex<ManifoldSet>>);
+/// Memory of units, as much as there ever were units at work at the same time: whoever takes one finds what the last who had it left in it, which
+/// is scratch.
+#[derive(Debug)]
+pub(crate) struct Lent<T>(Mutex<Vec<Box<T>>>);
 
-impl Sets {
-    /// Makes sure that there are so many.
-    pub fn at_least(&mut self, n: usize) {
-        while self.0.len() < n {
-            self.0.push(Mutex::default());
-        }
+impl<T: Default> Lent<T> {
+    /// Lends one for the time of a call.
+    pub fn lend<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
+        let list = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut one = list().pop().unwrap_or_default();
+        let result = f(&mut one);
+        list().push(one);
+        result
     }
 }
 
-impl Clone for Sets {
+impl<T> Default for Lent<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T> Clone for Lent<T> {
     /// Memory, not state: a clone starts without.
     fn clone(&self) -> Self {
         Self::default()

@@ -10,7 +10,6 @@ use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide_again};
 use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
-use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 
 /// Contacts per unit at most: the bits of a word.
@@ -31,12 +30,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let (mut contacts, mut heads) = (core::mem::take(&mut world.contacts), core::mem::take(&mut world.heads));
     let unit = unit_of(contacts.len());
     let units = contacts.len().div_ceil(unit);
-    world.scratch.sets.at_least(units);
     world.scratch.news.at_least(units);
     let shared: &World = world;
     let columns = (&mut contacts[..], &mut heads[..]);
     shared.tasks.for_each_chunk2(columns, unit, |first, chunk, heads| {
-        let mut set = shared.scratch.sets.0[first / unit].lock().unwrap_or_else(PoisonError::into_inner);
         let mut news = 0;
         // Three passes, each of which asks ahead for what its own pairs read: most pairs stay apart, most others hardly moved.
         let near = Picked::among(chunk.len(), |i| {
@@ -51,21 +48,29 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             let Some(i) = k.checked_sub(AHEAD).and_then(|k| near.get(k)) else { continue };
             let (c, h) = (&mut chunk[i], &mut heads[i]);
             match look(shared, c, step.dt) {
-                Some(room) => news |= u64::from(finish(shared, c, h, room)) << i,
+                Some(room) => {
+                    h.renewed = false;
+                    news |= u64::from(finish(shared, c, h, room)) << i;
+                }
                 None => tests.push(i),
             }
         }
-        for k in 0..tests.count + TESTS_AHEAD {
-            if let Some(i) = tests.get(k) {
-                shared.shapes.call(chunk[i].shape_a);
-                shared.shapes.call(chunk[i].shape_b);
-            }
-            let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) else { continue };
-            let (c, h) = (&mut chunk[i], &mut heads[i]);
-            test(shared, c, &mut set, step.dt);
-            // How far ahead a bouncing pair looks changes from step to step.
-            let room = if c.bouncy { 0.0 } else { c.spare };
-            news |= u64::from(finish(shared, c, h, room)) << i;
+        if tests.count > 0 {
+            shared.scratch.sets.lend(|set| {
+                for k in 0..tests.count + TESTS_AHEAD {
+                    if let Some(i) = tests.get(k) {
+                        shared.shapes.call(chunk[i].shape_a);
+                        shared.shapes.call(chunk[i].shape_b);
+                    }
+                    let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) else { continue };
+                    let (c, h) = (&mut chunk[i], &mut heads[i]);
+                    test(shared, c, set, step.dt);
+                    h.renewed = true;
+                    // How far ahead a bouncing pair looks changes from step to step.
+                    let room = if c.bouncy { 0.0 } else { c.spare };
+                    news |= u64::from(finish(shared, c, h, room)) << i;
+                }
+            });
         }
         shared.scratch.news.0[first / unit].store(news, Ordering::Relaxed);
     });

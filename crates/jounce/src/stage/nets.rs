@@ -182,7 +182,7 @@ pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
     });
     for (rows, kind) in s.nets.iter().zip(Type::ALL) {
         let Rows { ids, places, owners, blocks, .. } = rows;
-        world.scratch.found.begin(ids.len().div_ceil(JOINTS));
+        world.scratch.found.begin(ids.len().div_ceil(JOINTS), 0);
         let found = &world.scratch.found;
         let columns = (&ids[..], &places[..], Owning(table.entries_mut(), owners));
         world.tasks.for_each_piece(columns, JOINTS, |first, (ids, places, mut table)| {

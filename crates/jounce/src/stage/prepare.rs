@@ -1,6 +1,6 @@
 //! Colours the manifolds and fills the solver's rows.
 
-use super::{RowPlace, Step};
+use super::{RowPlace, Scratch, Step};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::{crowd, load};
@@ -61,7 +61,7 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
     let (awake, items) = (&mut world.awake, &world.items);
-    load::raise(&world.heads, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
+    load::raise(&world.tasks, &world.heads, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
     world.scratch.loads = loads;
 }
 
@@ -94,31 +94,38 @@ fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step
     dispatch(world.width, Prepare { block, sources: &sources, constants: &step.constants });
 }
 
-/// What the colouring asks of a contact, found on all threads: the contacts themselves lie anywhere.
-#[derive(Clone, Copy, Debug, Default)]
+/// What the colouring asks of a contact that touches, found on all threads: the contacts themselves lie anywhere.
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Outline {
-    /// 0 where it does not touch.
-    pub manifolds: u32,
-    pub deep: bool,
-    pub load: load::Load,
+    contact: u32,
+    /// Its bodies as colours name them.
+    items: [u32; 2],
+    manifolds: u32,
+    deep: bool,
+    load: load::Load,
 }
 
 fn outline(world: &mut World) {
     let mut outlines = core::mem::take(&mut world.scratch.outlines);
-    outlines.resize(world.contacts.len(), Outline::default());
-    let columns = (&mut outlines[..], &world.contacts[..], &world.heads[..]);
-    world.tasks.for_each_piece(columns, CONTACTS, |_, (outlines, contacts, heads)| {
-        for (i, (outline, h)) in outlines.iter_mut().zip(heads).enumerate() {
+    outlines.begin(world.contacts.len().div_ceil(CONTACTS), CONTACTS);
+    let columns = (&world.contacts[..], &world.heads[..]);
+    world.tasks.for_each_piece(columns, CONTACTS, |first, (contacts, heads)| {
+        let mut out = outlines.of(first / CONTACTS);
+        for (i, h) in heads.iter().enumerate() {
             // What is read of a contact lies in two lines.
             if let Some(ahead) = contacts.get(i + AHEAD).filter(|_| heads[i + AHEAD].touching) {
                 prefetch(&ahead.hit_speed);
                 prefetch(&ahead.manifold.normal);
             }
-            *outline = Outline::default();
             if h.touching {
                 let c = &contacts[i];
-                (outline.manifolds, outline.deep) = (c.manifold_count() as u32, c.deep);
-                outline.load = load::Load::of(c);
+                out.push(Outline {
+                    contact: (first + i) as u32,
+                    items: h.bodies.map(|b| world.items[b as usize]),
+                    manifolds: c.manifold_count() as u32,
+                    deep: c.deep,
+                    load: load::Load::of(c),
+                });
             }
         }
     });
@@ -127,32 +134,35 @@ fn outline(world: &mut World) {
 
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
 fn color(world: &mut World) {
-    let scratch = &mut world.scratch;
-    scratch.colors.reset(world.awake.state.len());
-    scratch.rows.clear();
-    scratch.places.begin(world.contacts.len());
-    scratch.deep.clear();
-    scratch.loads.begin(world.awake.state.len());
-    for (i, (h, c)) in world.heads.iter().zip(&scratch.outlines).enumerate() {
-        if c.manifolds == 0 {
-            continue;
-        }
-        if c.deep {
-            scratch.deep.push(i as u32);
-        }
-        let (a, b) = (world.items[h.bodies[0] as usize], world.items[h.bodies[1] as usize]);
-        scratch.loads.add([a, b], &c.load);
-        // A body asleep on a kinematic one that is awake: nothing for the contact to move.
-        if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
-            continue;
-        }
-        for k in 0..c.manifolds {
-            let payload = scratch.rows.len() as u32;
-            scratch.rows.push((i as u32, k));
-            let place = scratch.colors.push(a, b, payload);
-            debug_assert!(place.is_some(), "a contact of a body with itself");
-            let (color, row) = place.unwrap_or((ColorSets::OVERFLOW, NONE));
-            scratch.places.push(i, k as usize, RowPlace { color, row });
-        }
-    }
+    let (scratch, bodies, contacts) = (&mut world.scratch, world.awake.state.len(), world.contacts.len());
+    let Scratch { outlines, colors, rows, places, deep, loads, .. } = scratch;
+    let outlines = &*outlines;
+    let color = || {
+        colors.reset(bodies);
+        rows.clear();
+        places.begin(contacts);
+        deep.clear();
+        outlines.for_each(|o| {
+            if o.deep {
+                deep.push(o.contact);
+            }
+            let [a, b] = o.items;
+            // A body asleep on a kinematic one that is awake: nothing for the contact to move.
+            if a == ColorSets::shared(a) && b == ColorSets::shared(b) {
+                return;
+            }
+            for k in 0..o.manifolds {
+                let place = colors.push(a, b, rows.len() as u32);
+                rows.push((o.contact, k));
+                debug_assert!(place.is_some(), "a contact of a body with itself");
+                let (color, row) = place.unwrap_or((ColorSets::OVERFLOW, NONE));
+                places.push(o.contact as usize, k as usize, RowPlace { color, row });
+            }
+        });
+    };
+    let load = || {
+        loads.begin(bodies);
+        outlines.for_each(|o| loads.add(o.items, &o.load));
+    };
+    world.tasks.join(color, load);
 }

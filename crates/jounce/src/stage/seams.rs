@@ -13,7 +13,6 @@ use crate::room::rigid::desc::BodyKind;
 use crate::world::World;
 use jounce_geometry::{Aabb, FACE_A, FACE_B};
 use jounce_math::{DVec3, Vec3};
-use std::sync::{Mutex, PoisonError};
 
 /// Cosine of the angle (18°) up to which a lean counts as the plane's own.
 const LEAN_COSINE: f32 = 0.95;
@@ -21,23 +20,8 @@ const LEAN_COSINE: f32 = 0.95;
 /// Bodies per unit.
 const BODIES: usize = 32;
 
-/// What units found, one each; a unit locks its own, so no lock is ever waited for.
-#[derive(Debug, Default)]
-pub(crate) struct Seams(Vec<Mutex<Unit>>);
-
-#[derive(Debug, Default)]
-struct Unit {
-    patches: Vec<Patch>,
-    /// What takes another normal, or none: it is dropped.
-    changes: Vec<(Patch, Option<Vec3>)>,
-}
-
-impl Clone for Seams {
-    /// Memory, not state: a clone starts without.
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
+/// What takes another normal, or none: it is dropped.
+pub(crate) type Seam = (Patch, Option<Vec3>);
 
 /// A manifold against a fixed body, seen from the moving body's centre of mass, world axes.
 #[derive(Clone, Copy, Debug)]
@@ -61,34 +45,33 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     for h in world.heads.iter().filter(|h| h.touching && h.fixed) {
         for body in h.bodies {
             if let Some(n) = count.get_mut(world.row_of[body as usize] as usize) {
-                *n += 1;
+                *n = (*n + 1) | u32::from(h.renewed) << 31;
             }
         }
     }
     let mut seams = core::mem::take(&mut world.scratch.seams);
-    seams.0.resize_with(seams.0.len().max(count.len().div_ceil(BODIES)), Mutex::default);
-    let (shared, lists): (&World, _) = (world, &seams.0);
+    seams.begin(count.len().div_ceil(BODIES), 0);
+    let (shared, lists): (&World, _) = (world, &seams);
     let columns = (&count[..], &shared.awake.step[..]);
     shared.tasks.for_each_piece(columns, BODIES, |first, (count, steps)| {
-        let mut unit = lists[first / BODIES].lock().unwrap_or_else(PoisonError::into_inner);
-        let Unit { patches, changes } = &mut *unit;
-        for (_, b) in count.iter().zip(steps).filter(|(n, b)| **n >= 2 && b.kind == BodyKind::Dynamic) {
-            body(shared, b.body, patches, changes);
+        // Where no manifold is new, all have the normals that they would get.
+        let new = |n: u32| n >> 31 == 1 && n << 1 >= 4;
+        let bodies = count.iter().zip(steps);
+        let mut bodies = bodies.filter(|(n, b)| new(**n) && b.kind == BodyKind::Dynamic).peekable();
+        if bodies.peek().is_some() {
+            shared.scratch.patches.lend(|patches| {
+                bodies.for_each(|(_, b)| body(shared, b.body, patches, &mut lists.of(first / BODIES)));
+            });
         }
     });
-    for unit in &mut seams.0 {
-        let unit = unit.get_mut().unwrap_or_else(PoisonError::into_inner);
-        for (m, normal) in unit.changes.drain(..) {
-            match normal {
-                Some(normal) => adopt(world, &m, normal),
-                None => drop(world, &m),
-            }
-        }
-    }
+    seams.for_each(|(m, normal)| match normal {
+        Some(normal) => adopt(world, m, *normal),
+        None => drop(world, m),
+    });
     (world.scratch.parent, world.scratch.seams) = (count, seams);
 }
 
-fn body(world: &World, slot: u32, patches: &mut Vec<Patch>, changes: &mut Vec<(Patch, Option<Vec3>)>) {
+fn body(world: &World, slot: u32, patches: &mut Vec<Patch>, changes: &mut Vec<Seam>) {
     gather(world, slot, patches);
     let center = world.frames[slot as usize].center;
     for m in patches.iter() {

@@ -22,6 +22,8 @@ use super::state::{Contact, PairHead};
 use crate::groups::{root, unite};
 use crate::room::rigid::state::Awake;
 use jounce_math::{Vec3, scalar::f32s};
+use jounce_tasks::Tasks;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Ratio of load to weight from which a body counts as squeezed, and from which it is treated in full.
 const RATIO: [f32; 2] = [20.0, 40.0];
@@ -30,6 +32,9 @@ const RATIO: [f32; 2] = [20.0, 40.0];
 const HIT_SPEED: f32 = 0.5;
 /// Most that a mass is raised by.
 const RAISE_MAX: f32 = 1e4;
+
+/// Bodies per unit.
+const BODIES: usize = 256;
 
 /// A raised mass falls by at most this factor a step: the impulses that balance it now start the next step, and would throw
 /// the body away if it were light again at once.
@@ -88,29 +93,42 @@ impl Loads {
 /// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held. `row` of a body is that
 /// in the awake columns, or beyond them. `loads` has been given all contacts.
 pub(crate) fn raise(
+    tasks: &Tasks,
     heads: &[PairHead],
     row: impl Fn(u32) -> u32,
     awake: &mut Awake,
-    jointed: impl Fn(u32) -> bool,
+    jointed: impl Fn(u32) -> bool + Sync,
     hangs: impl Fn(u32) -> bool,
     loads: &mut Loads,
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
     let Loads { sums, parent, groups } = loads;
-    let mut treated = false;
-    for (sum, step) in sums.iter().zip(&mut awake.step) {
-        let load = (sum.0 - sum.1.length()) * (0.5 / dt);
-        let ratio = load * step.inv_mass / gravity;
-        step.raised = f32s::max(step.raised * FALL, 1.0);
-        if ratio > RATIO[0] && sum.2 < HIT_SPEED && !jointed(step.body) {
-            let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
-            let full = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
-            step.raised = f32s::max(step.raised, 1.0 + part * (full - 1.0));
+    let any = AtomicBool::new(false);
+    tasks.for_each_piece((&sums[..], &mut awake.step[..]), BODIES, |_, (sums, steps)| {
+        let mut treated = false;
+        for (sum, step) in sums.iter().zip(steps) {
+            let load = (sum.0 - sum.1.length()) * (0.5 / dt);
+            let ratio = load * step.inv_mass / gravity;
+            let mut raised = f32s::max(step.raised * FALL, 1.0);
+            if ratio > RATIO[0] && sum.2 < HIT_SPEED && !jointed(step.body) {
+                let part = f32s::min((ratio - RATIO[0]) / (RATIO[1] - RATIO[0]), 1.0);
+                let full = f32s::clamp(load * step.inv_mass / (0.5 * slop * omega * omega), 1.0, RAISE_MAX);
+                raised = f32s::max(raised, 1.0 + part * (full - 1.0));
+            }
+            if raised != step.raised {
+                step.raised = raised;
+            }
+            treated |= raised > 1.0;
         }
-        treated |= step.raised > 1.0;
+        if treated {
+            any.store(true, Ordering::Relaxed);
+        }
+    });
+    if !any.into_inner() {
+        return;
     }
     groups.clear();
-    if treated {
+    {
         let moves = |row: u32| awake.inertia.get(row as usize).is_some_and(|t| t.inv_mass > 0.0);
         parent.clear();
         parent.extend(0..sums.len() as u32);
@@ -131,7 +149,7 @@ pub(crate) fn raise(
         }
     }
     for (row, (step, inertia)) in awake.step.iter_mut().zip(&mut awake.inertia).enumerate() {
-        let flies = treated && {
+        let flies = {
             let (held, most) = groups[root(parent, row as u32) as usize];
             if !held {
                 step.raised = most;

@@ -7,7 +7,7 @@ use super::state::{Body, Mass};
 use crate::room::contacts::desc::MassSpec;
 use crate::room::contacts::state::ShapeRecord;
 use jounce_geometry::MassProperties;
-use jounce_math::{DMat3, DQuat, DVec3, Mat3, Vec3, scalar::f32s};
+use jounce_math::{DMat3, DQuat, DVec3, Mat3, Pose, Vec3, scalar::f32s};
 
 /// Mass properties of a shape at its pose on the body; `None` where it has no volume or no mass.
 fn shape_mass(s: &ShapeRecord) -> Option<(f64, DVec3, DMat3)> {
@@ -61,6 +61,8 @@ pub(crate) fn prepare<'a>(
         let c = s.pose.inverse_transform_point(center);
         m.inner_radius = f32s::min(m.inner_radius, s.shape.inner_radius());
         m.outer_radius = f32s::max(m.outer_radius, s.shape.outer_radius(c));
+        let bounds = s.shape.aabb(&Pose::new(s.pose.p - center, s.pose.q));
+        m.reach = m.reach.max(bounds.min.abs()).max(bounds.max.abs());
     }
     if m.inner_radius == f32::MAX {
         m.inner_radius = 0.0;

@@ -73,6 +73,8 @@ pub(crate) struct Mass {
     pub inner_radius: f32,
     /// Distance from the centre of mass to the farthest point, metres.
     pub outer_radius: f32,
+    /// The same along each of its axes.
+    pub reach: Vec3,
 }
 
 /// Where a body is.
@@ -222,8 +224,9 @@ pub(crate) struct BodyStep {
     pub room: f32,
     /// How far the farthest of its points went in the last step, at most, m; goes to `World::travel`.
     pub moved: f32,
-    /// A copy of [`Mass::outer_radius`].
+    /// Copies of [`Mass::outer_radius`] and [`Mass::reach`].
     pub radius: f32,
+    pub reach: Vec3,
 }
 
 /// Torque-free motion in full precision, of bodies with unequal moments: reused as long as the rounded values that the rest
