@@ -1,11 +1,13 @@
 //! The whole-world validator: every table agrees with every other. Debug builds only.
 
 use crate::room::contacts::state::{ContactPlace, PairHead, Place};
+use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::stage::broadphase::may_meet;
 use crate::step::Stage;
 use crate::table::pair_key;
 use crate::world::World;
+use jounce_tasks::ColorSets;
 
 /// Runs after the stages that move rows, in debug builds of worlds small enough.
 pub(crate) fn check_after(world: &World, stage: Stage) {
@@ -70,8 +72,21 @@ impl World {
         }
         for (slot, body) in self.bodies.iter() {
             assert_eq!(self.frames[slot as usize].looks_ahead, body.looks_ahead(), "outlook of body {slot}");
+            assert_eq!(self.row_of[slot as usize], body.row, "row listed of body {slot}");
+            let item = match body.row {
+                NONE => ColorSets::NONE,
+                row if body.kind == BodyKind::Dynamic => row,
+                row => ColorSets::shared(row),
+            };
+            assert_eq!(self.items[slot as usize], item, "item of body {slot}");
             if body.row != NONE {
-                assert_eq!(self.awake.step[body.row as usize].body, slot);
+                let b = &self.awake.step[body.row as usize];
+                assert_eq!(b.body, slot);
+                assert_eq!(
+                    (b.radius, b.reach),
+                    (body.mass.outer_radius, body.mass.reach),
+                    "size of body {slot}"
+                );
             }
             for &s in &body.shapes {
                 assert_eq!(self.shapes[s].body, slot, "shape {s} is on body {slot}");
@@ -107,7 +122,12 @@ impl World {
             assert!(c.manifold.more || c.rest.is_empty(), "manifolds of contact {} are hidden", c.id);
         }
         for (c, h) in self.contacts.iter().zip(&self.heads) {
-            assert_eq!(*h, PairHead { until: h.until, renewed: h.renewed, ..PairHead::new(c) }, "head of contact {}", c.id);
+            assert_eq!(
+                *h,
+                PairHead { until: h.until, renewed: h.renewed, ..PairHead::new(c) },
+                "head of contact {}",
+                c.id
+            );
             assert!(!(c.touching && h.until > 0.0), "contact {} touches and is apart", c.id);
         }
         for (slot, v) in self.vehicles.table.iter() {

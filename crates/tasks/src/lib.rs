@@ -21,8 +21,8 @@ mod slices;
 
 use std::fmt;
 use std::panic::{RefUnwindSafe, UnwindSafe};
-use std::sync::{Arc, Mutex, PoisonError};
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 pub use color::{ColorSets, Row, Scatter};
 pub use float_env::FloatEnv;

@@ -51,7 +51,9 @@ type Job = *const (dyn Fn(usize) + Sync);
 struct Share(AtomicU64);
 
 impl Share {
-    const EMPTY: Self = Self(AtomicU64::new(0));
+    fn empty() -> Self {
+        Self(AtomicU64::new(0))
+    }
 
     fn set(&self, first: usize, end: usize) {
         self.0.store(first as u64 | (end as u64) << 32, Ordering::SeqCst);
@@ -128,7 +130,7 @@ impl Shared {
     fn new(threads: usize, [spins, spins_attended]: [usize; 2]) -> Self {
         let nothing: &'static (dyn Fn(usize) + Sync) = &|_| {};
         Self {
-            shares: (0..threads).map(|_| Padded(Share::EMPTY)).collect(),
+            shares: (0..threads).map(|_| Padded(Share::empty())).collect(),
             pending: Padded(AtomicUsize::new(0)),
             stage: Padded(AtomicUsize::new(0)),
             busy: AtomicBool::new(false),
@@ -356,7 +358,7 @@ mod tests {
 
     #[test]
     fn a_share_is_taken_from_both_ends() {
-        let share = Share::EMPTY;
+        let share = Share::empty();
         assert_eq!((share.take_first(), share.take_last()), (None, None));
         share.set(3, 7);
         let taken = [share.take_first(), share.take_last(), share.take_first(), share.take_last()];

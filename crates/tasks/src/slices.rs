@@ -322,19 +322,26 @@ mod tests {
             }
             let mut items = vec![0usize; 600];
             let mut told = vec![false; rows];
-            tasks.for_each_piece((&mut told[..], Owning(&mut items, &owners)), 9, |first, (told, mut own)| {
-                for (i, told) in told.iter_mut().enumerate() {
-                    let row = first + i;
-                    if let Some(mine) = own.get(row, item(row)) {
-                        *mine += row + 1;
-                        *told = true;
+            tasks.for_each_piece(
+                (&mut told[..], Owning(&mut items, &owners)),
+                9,
+                |first, (told, mut own)| {
+                    for (i, told) in told.iter_mut().enumerate() {
+                        let row = first + i;
+                        if let Some(mine) = own.get(row, item(row)) {
+                            *mine += row + 1;
+                            *told = true;
+                        }
+                        let other = (row + 1) % rows;
+                        assert!(own.get(row, item(other)).is_none(), "of another row");
+                        assert!(
+                            own.get((row + 9) % rows, item((row + 9) % rows)).is_none(),
+                            "of another unit"
+                        );
+                        assert!(own.get(row, usize::MAX).is_none());
                     }
-                    let other = (row + 1) % rows;
-                    assert!(own.get(row, item(other)).is_none(), "of another row");
-                    assert!(own.get((row + 9) % rows, item((row + 9) % rows)).is_none(), "of another unit");
-                    assert!(own.get(row, usize::MAX).is_none());
-                }
-            });
+                },
+            );
             for row in 0..rows {
                 assert_eq!(told[row], item(row) < 500);
                 assert_eq!(items[item(row)], if told[row] { row + 1 } else { 0 });

@@ -202,12 +202,7 @@ fn know(world: &World, band: &mut Band) {
 }
 
 /// Velocities, and places where those were put right, of band `at` back to the bodies.
-fn put(
-    band: &Band,
-    at: usize,
-    states: &mut Owned<'_, BodyState>,
-    turning: &mut Owned<'_, Option<Turning>>,
-) {
+fn put(band: &Band, at: usize, states: &mut Owned<'_, BodyState>, turning: &mut Owned<'_, Option<Turning>>) {
     for b in &band.bodies {
         for l in 0..band.sets.len() {
             let row = b.rows[l];

@@ -49,16 +49,22 @@ pub(crate) fn run(world: &mut World, _: &Step) {
     let found = &mut world.scratch.found;
     found.begin(world.awake.step.len().div_ceil(BODIES), BODIES);
     let (bodies, frames, found) = (&world.bodies, &world.frames, &*found);
+    // Only bullets look at what moves.
+    let fixed = !(world.fixed_tree.is_empty() && world.unbounded.is_empty());
     let columns = (&world.awake.state[..], &mut world.awake.step[..]);
     world.tasks.for_each_piece(columns, BODIES, |first, (states, steps)| {
         for (s, b) in states.iter().zip(steps) {
-            let mass = &bodies[b.body].mass;
             b.halted = b.halted.saturating_sub(1);
+            let body = &bodies[b.body];
+            if b.kind != BodyKind::Dynamic || !(fixed || body.bullet) {
+                continue;
+            }
+            let mass = &body.mass;
             let s = s.get();
             let turned = frames[b.body as usize].rotation.inverse_rotate(s.dr);
             let turn = swept(turned, mass.outer_radius, mass.reach) - s.dr.length() * mass.inner_radius;
             let moved = s.dp.length() + turn;
-            if b.kind == BodyKind::Dynamic && moved > FAST * mass.inner_radius && moved.is_finite() {
+            if moved > FAST * mass.inner_radius && moved.is_finite() {
                 found.of(first / BODIES).push(b.body);
             }
         }

@@ -33,8 +33,8 @@ use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::state::NONE;
 use jounce_geometry::ManifoldSet;
 use jounce_tasks::ColorSets;
-use std::sync::{Mutex, PoisonError, RwLock, RwLockWriteGuard};
 use std::sync::atomic::AtomicU64;
+use std::sync::{Mutex, PoisonError, RwLock, RwLockWriteGuard};
 
 /// What every stage is given about the step.
 #[derive(Clone, Copy, Debug)]

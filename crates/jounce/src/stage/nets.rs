@@ -175,7 +175,9 @@ pub(super) fn finish(world: &mut World, s: &mut JointScratch, step: &Step) {
     world.tasks.for_each_piece(columns, JOINTS, |first, (ids, places, mut table)| {
         for (i, (&id, &(color, row))) in ids.iter().zip(places).enumerate() {
             let block = blocks[usize::from(color)].get(row as usize / LANES);
-            if let (Some(block), Some(j)) = (block, table.get(first + i, id as usize).and_then(Entry::get_mut)) {
+            if let (Some(block), Some(j)) =
+                (block, table.get(first + i, id as usize).and_then(Entry::get_mut))
+            {
                 block.store(row as usize, j, dt);
             }
         }

@@ -61,7 +61,16 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
     let (awake, items) = (&mut world.awake, &world.items);
-    load::raise(&world.tasks, &world.heads, |b| items[b as usize], awake, jointed, hangs, &mut loads, numbers);
+    load::raise(
+        &world.tasks,
+        &world.heads,
+        |b| items[b as usize],
+        awake,
+        jointed,
+        hangs,
+        &mut loads,
+        numbers,
+    );
     world.scratch.loads = loads;
 }
 

@@ -219,8 +219,10 @@ mod tests {
             let (axis, start, way) = (v(), v(), v());
             let axis = if i % 3 == 0 { Vec3::Y + axis * 1e-3 } else { axis };
             let rotation0 = Quat::from_axis_angle(start.normalize_or(Vec3::X), 3.0 * start.length());
-            let turn = Quat::from_axis_angle(rotation0.rotate(axis.normalize_or(Vec3::Y)), 0.1 + start.x.abs());
-            let mut f = BodyFrame { rotation0, rotation: (turn * rotation0).normalize(), ..BodyFrame::default() };
+            let turn =
+                Quat::from_axis_angle(rotation0.rotate(axis.normalize_or(Vec3::Y)), 0.1 + start.x.abs());
+            let mut f =
+                BodyFrame { rotation0, rotation: (turn * rotation0).normalize(), ..BodyFrame::default() };
             f.center = way.as_dvec3();
             let most = moved(&f, half.length(), half);
             for k in 0..8 {

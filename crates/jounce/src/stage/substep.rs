@@ -210,7 +210,16 @@ fn poses(world: &mut World, step: &Step) {
     world.tasks.for_each_piece(columns, BODIES, |first, (states, steps, inertia, turning, mut frames)| {
         for (i, (s, b)) in states.iter_mut().zip(steps).enumerate() {
             if let Some(frame) = frames.get(first + i, b.body as usize) {
-                rigid::finish(s, b, &mut turning[i], &mut inertia[i], frame, &bodies[b.body], step.dt, &limits);
+                rigid::finish(
+                    s,
+                    b,
+                    &mut turning[i],
+                    &mut inertia[i],
+                    frame,
+                    &bodies[b.body],
+                    step.dt,
+                    &limits,
+                );
             }
         }
     });

@@ -128,34 +128,29 @@ pub(crate) fn raise(
         return;
     }
     groups.clear();
-    {
-        let moves = |row: u32| awake.inertia.get(row as usize).is_some_and(|t| t.inv_mass > 0.0);
-        parent.clear();
-        parent.extend(0..sums.len() as u32);
-        // Those too that push for the first time in this step.
-        let pairs = heads.iter().filter(|h| h.touching);
-        let pairs = pairs.map(|h| h.bodies.map(&row));
-        for [a, b] in pairs.clone().filter(|p| p.iter().all(|&row| moves(row))) {
-            unite(parent, a, b);
-        }
-        groups.resize(sums.len(), (false, 1.0));
-        for [a, b] in pairs.filter(|&[a, b]| moves(a) != moves(b)) {
-            groups[root(parent, if moves(a) { a } else { b }) as usize].0 = true;
-        }
-        for (row, step) in awake.step.iter().enumerate() {
-            let group = &mut groups[root(parent, row as u32) as usize];
-            group.0 |= hangs(step.body);
-            group.1 = f32s::max(group.1, step.raised);
-        }
+    let moves = |row: u32| awake.inertia.get(row as usize).is_some_and(|t| t.inv_mass > 0.0);
+    parent.clear();
+    parent.extend(0..sums.len() as u32);
+    // Those too that push for the first time in this step.
+    let pairs = heads.iter().filter(|h| h.touching);
+    let pairs = pairs.map(|h| h.bodies.map(&row));
+    for [a, b] in pairs.clone().filter(|p| p.iter().all(|&row| moves(row))) {
+        unite(parent, a, b);
+    }
+    groups.resize(sums.len(), (false, 1.0));
+    for [a, b] in pairs.filter(|&[a, b]| moves(a) != moves(b)) {
+        groups[root(parent, if moves(a) { a } else { b }) as usize].0 = true;
+    }
+    for (row, step) in awake.step.iter().enumerate() {
+        let group = &mut groups[root(parent, row as u32) as usize];
+        group.0 |= hangs(step.body);
+        group.1 = f32s::max(group.1, step.raised);
     }
     for (row, (step, inertia)) in awake.step.iter_mut().zip(&mut awake.inertia).enumerate() {
-        let flies = {
-            let (held, most) = groups[root(parent, row as u32) as usize];
-            if !held {
-                step.raised = most;
-            }
-            !held
-        };
+        let (held, most) = groups[root(parent, row as u32) as usize];
+        if !held {
+            step.raised = most;
+        }
         if step.raised == 1.0 || inertia.inv_mass == 0.0 {
             continue;
         }
@@ -166,7 +161,7 @@ pub(crate) fn raise(
         for v in [&mut inertia.xy, &mut inertia.xz, &mut inertia.yz] {
             *v *= factor;
         }
-        if !flies {
+        if held {
             step.acceleration *= factor;
         }
     }
