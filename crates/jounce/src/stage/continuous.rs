@@ -61,10 +61,16 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             }
             let mass = &body.mass;
             let s = s.get();
+            // By the ball around it first, which is quickly asked.
+            let limit = FAST * mass.inner_radius;
+            let turn = s.dr.length();
+            let moved = s.dp.length() + turn * (mass.outer_radius - mass.inner_radius);
+            if !(moved > limit && moved.is_finite()) {
+                continue;
+            }
             let turned = frames[b.body as usize].rotation.inverse_rotate(s.dr);
-            let turn = swept(turned, mass.outer_radius, mass.reach) - s.dr.length() * mass.inner_radius;
-            let moved = s.dp.length() + turn;
-            if moved > FAST * mass.inner_radius && moved.is_finite() {
+            let swept = swept(turned, mass.outer_radius, mass.reach);
+            if s.dp.length() + swept - turn * mass.inner_radius > limit {
                 found.of(first / BODIES).push(b.body);
             }
         }

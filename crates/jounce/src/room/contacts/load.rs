@@ -60,6 +60,12 @@ pub(crate) struct Load {
 
 impl Load {
     pub fn of(c: &Contact) -> Self {
+        let m = &c.manifold;
+        if !m.more {
+            // Without points it has given nothing.
+            let size = if m.count == 0 { 0.0 } else { m.total };
+            return Self { size, along: m.normal * size, hit_speed: c.hit_speed };
+        }
         let mut load = Self { hit_speed: c.hit_speed, ..Self::default() };
         for m in c.manifolds() {
             load.size += m.total;
