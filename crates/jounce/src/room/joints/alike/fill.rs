@@ -30,6 +30,11 @@ impl Band {
             b.inv_mass = Z;
             (b.inertia, b.inverse) = ([Z; 6], [Z; 6]);
         }
+        for (j, link) in self.joints.iter_mut().zip(&self.pattern.joints) {
+            for row in &mut j.rows[link.kind.first_end()..] {
+                row.acts = Z;
+            }
+        }
     }
 
     pub fn fill_body(&mut self, body: usize, l: usize, s: &Side) {

@@ -3,16 +3,19 @@
 //! Column k of joint rows n: its diagonal block is factored as L D Lᵀ; the blocks below become X = B L⁻ᵀ, then W = X D⁻¹, and what
 //! they meet changes by A_ij −= W_i X_jᵀ. In place: below the diagonal L and W, on it D⁻¹. A pivot that vanishes gives D⁻¹ = 0: the
 //! row takes no impulse.
+//!
+//! Rows of ends come last in their joint. Where none of the lanes that are walked together is at one, its row is left out: most are.
 
-use super::{Band, ROWS};
-use crate::room::contacts::rows::{LANES, Lane};
+use super::{Band, JointLanes, Pattern, ROWS};
+use crate::room::contacts::rows::{LANES, Lane, LaneVec};
+use crate::room::joints::direct::Step;
 use crate::room::joints::lanes::inverse;
-use jounce_lanes::{Kernel, Lanes, three};
+use jounce_lanes::{Kernel, Lanes, Mask, three};
 
 /// A pivot below this part of its diagonal belongs to a row that others make superfluous.
 const PIVOT_MIN: f32 = 1e-6;
 
-/// The matrix of the rows that take part, in factors.
+/// The matrix of the rows that take part, in factors, where it is not that yet.
 pub(super) struct Factor<'a>(pub &'a mut Band);
 
 impl Kernel for Factor<'_> {
@@ -20,150 +23,230 @@ impl Kernel for Factor<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
         for at in (0..LANES).step_by(L::WIDTH) {
-            assemble::<L>(self.0, at);
-            factor::<L>(self.0, at);
+            if stale::<L>(self.0, at) {
+                assemble::<L>(self.0, at);
+                for s in &self.0.pattern.steps {
+                    let (used, matrix) = (Used(&self.0.used, at), &mut self.0.matrix);
+                    let stride = self.0.pattern.rows(s.joint);
+                    match used.rows(s.joint) {
+                        3 => eliminate::<L, 3>(s, used, stride, matrix, &self.0.pattern, at),
+                        4 => eliminate::<L, 4>(s, used, stride, matrix, &self.0.pattern, at),
+                        5 => eliminate::<L, 5>(s, used, stride, matrix, &self.0.pattern, at),
+                        _ => eliminate::<L, 6>(s, used, stride, matrix, &self.0.pattern, at),
+                    }
+                }
+            }
         }
     }
 }
 
+/// Rows of each joint up to the last that takes part in any of the lanes from `at` on: the others are zero but for their 1.
+#[derive(Clone, Copy)]
+struct Used<'a>(&'a [[u8; LANES]], usize);
+
+impl Used<'_> {
+    #[inline(always)]
+    fn rows(self, joint: usize) -> usize {
+        usize::from(self.0[joint][self.1 % LANES])
+    }
+}
+
+/// Is the matrix another in some lane that the pass has not finished? Then all of these lanes get theirs.
 #[inline(always)]
-fn get<L: Lanes>(m: &[Lane], i: usize, at: usize) -> L {
-    L::load(&m[i][at..])
+fn stale<L: Lanes>(band: &mut Band, at: usize) -> bool {
+    let Band { pattern, joints, live, fresh, used, .. } = band;
+    let live = L::load(&live[at..]).gt(L::zero());
+    let mut stale = live & L::load(&fresh[at..]).eq(L::zero());
+    for (j, link) in joints.iter().zip(&pattern.joints) {
+        for row in &j.rows[link.kind.first_end()..link.kind.rows()] {
+            stale = stale | (live & !L::load(&row.acts[at..]).eq(L::load(&row.factored[at..])));
+        }
+    }
+    if !stale.any() {
+        return false;
+    }
+    L::splat(1.0).store(&mut fresh[at..]);
+    for ((j, link), used) in joints.iter_mut().zip(&pattern.joints).zip(used) {
+        let first = link.kind.first_end();
+        used[at] = first as u8;
+        for (i, row) in j.rows[first..link.kind.rows()].iter_mut().enumerate() {
+            let acts = L::load(&row.acts[at..]);
+            acts.store(&mut row.factored[at..]);
+            if acts.gt(L::zero()).any() {
+                used[at] = (first + i + 1) as u8;
+            }
+        }
+    }
+    true
 }
 
 #[inline(always)]
+fn line<L: Lanes>(v: &LaneVec, at: usize) -> [L; 3] {
+    three(
+        #[inline(always)]
+        |x: usize| L::load(&v.0[x][at..]),
+    )
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// J M⁻¹ Jᵀ of the rows that are used.
+#[inline(always)]
 fn assemble<L: Lanes>(band: &mut Band, at: usize) {
-    let Band { pattern, bodies, joints, matrix, .. } = band;
-    for m in matrix.iter_mut() {
-        L::zero().store(&mut m[at..]);
+    let Band { pattern, bodies, joints, matrix, used, .. } = band;
+    let used = Used(used, at);
+    for &(from, to) in &pattern.filled {
+        for m in &mut matrix[from..to] {
+            L::zero().store(&mut m[at..]);
+        }
     }
+    // A joint with itself, over both of its bodies: the lower half.
+    for s in &pattern.steps {
+        let (j, link) = (&joints[s.joint], &pattern.joints[s.joint]);
+        let (rows, used, first_end) = (link.kind.rows(), used.rows(s.joint), link.kind.first_end());
+        let [a, b] = [link.a, link.b].map(|i| L::load(&bodies[i as usize].inv_mass[at..]));
+        for c in 0..used {
+            let (ia, ib) = (line::<L>(&j.rows[c].ia, at), line::<L>(&j.rows[c].ib, at));
+            let acts = L::load(&j.rows[c].acts[at..]);
+            for r in c..used {
+                let row = &j.rows[r];
+                let (mut x, mut y) = (dot(line(&row.ja, at), ia), dot(line(&row.jb, at), ib));
+                if r == c && r < 3 {
+                    (x, y) = (x + a, y + b);
+                }
+                let mut value = x + y;
+                if r >= first_end {
+                    value = value * L::load(&row.acts[at..]);
+                    if c >= first_end {
+                        value = value * acts;
+                    }
+                    if r == c {
+                        value = value + (L::splat(1.0) - acts);
+                    }
+                }
+                value.store(&mut matrix[s.diagonal + r * rows + c][at..]);
+            }
+        }
+    }
+    // Two joints, over the body that they share.
     for m in &pattern.meets {
         let (i, k) = (m.i as usize, m.k as usize);
         let (ji, jk) = (&joints[i], &joints[k]);
-        let (rows, columns) = (pattern.rows(i), pattern.rows(k));
+        let columns = pattern.rows(k);
         let inv_mass = L::load(&bodies[m.body as usize].inv_mass[at..]);
         let lin = if m.i_is_a == m.k_is_a { inv_mass } else { -inv_mass };
-        let first_end = pattern.first_end(k);
-        for c in 0..columns {
+        let (end_i, end_k) = (pattern.first_end(i), pattern.first_end(k));
+        let used_i = used.rows(i);
+        for c in 0..used.rows(k) {
             let row = &jk.rows[c];
-            let inv = if m.k_is_a { &row.ia } else { &row.ib };
-            let mut inv = three(
-                #[inline(always)]
-                |x: usize| L::load(&inv.0[x][at..]),
-            );
-            if c >= first_end {
+            let mut inv = line::<L>(if m.k_is_a { &row.ia } else { &row.ib }, at);
+            if c >= end_k {
                 let acts = L::load(&row.acts[at..]);
-                inv = three(
+                inv = inv.map(
                     #[inline(always)]
-                    |x| inv[x] * acts,
+                    |x| x * acts,
                 );
             }
-            // Diagonal blocks: the lower half.
-            for r in if i == k { c } else { 0 }..rows {
-                let j = if m.i_is_a { &ji.rows[r].ja } else { &ji.rows[r].jb };
-                let j = three(
-                    #[inline(always)]
-                    |x: usize| L::load(&j.0[x][at..]),
-                );
-                let mut value = j[0] * inv[0] + j[1] * inv[1] + j[2] * inv[2];
+            for r in 0..used_i {
+                let row = &ji.rows[r];
+                let mut value = dot(line(if m.i_is_a { &row.ja } else { &row.jb }, at), inv);
                 if r == c && r < 3 {
                     value = value + lin;
                 }
-                if r >= pattern.first_end(i) {
-                    value = value * L::load(&ji.rows[r].acts[at..]);
+                if r >= end_i {
+                    value = value * L::load(&row.acts[at..]);
                 }
-                let to = &mut matrix[m.at as usize + r * columns + c][at..];
-                (L::load(to) + value).store(to);
+                value.store(&mut matrix[m.at as usize + r * columns + c][at..]);
             }
-        }
-    }
-    for s in &pattern.steps {
-        let n = pattern.rows(s.joint);
-        for r in pattern.first_end(s.joint)..n {
-            let to = &mut matrix[s.diagonal + r * (n + 1)][at..];
-            let acts = L::load(&joints[s.joint].rows[r].acts[at..]);
-            (L::load(to) + (L::splat(1.0) - acts)).store(to);
         }
     }
 }
 
+/// Column of a joint with `N` rows that are used.
 #[inline(always)]
-fn factor<L: Lanes>(band: &mut Band, at: usize) {
-    let Band { pattern, matrix, .. } = band;
-    let mut scratch = [[L::zero(); ROWS]; ROWS];
-    for s in &pattern.steps {
-        let (n, d) = (pattern.rows(s.joint), s.diagonal);
-        // L D Lᵀ of the diagonal block: l and 1/d in registers for what is below.
-        let mut l = [[L::zero(); ROWS]; ROWS];
-        let mut inv = [L::zero(); ROWS];
-        let mut pivots = [L::zero(); ROWS];
-        for j in 0..n {
-            let whole: L = get(matrix, d + j * n + j, at);
-            let mut pivot = whole;
+fn eliminate<L: Lanes, const N: usize>(
+    s: &Step,
+    used: Used<'_>,
+    stride: usize,
+    matrix: &mut [Lane],
+    pattern: &Pattern,
+    at: usize,
+) {
+    // L D Lᵀ of the diagonal block: l and 1/d in registers for what is below.
+    let mut l = [[L::zero(); N]; N];
+    let mut inv = [L::zero(); N];
+    let mut pivots = [L::zero(); N];
+    let own = &mut matrix[s.diagonal..];
+    for j in 0..N {
+        let whole = L::load(&own[j * stride + j][at..]);
+        let mut pivot = whole;
+        for k in 0..j {
+            pivot = pivot - l[j][k] * l[j][k] * pivots[k];
+        }
+        let holds = pivot.gt(whole * L::splat(PIVOT_MIN));
+        pivots[j] = L::select(holds, pivot, L::zero());
+        inv[j] = inverse(pivots[j]);
+        inv[j].store(&mut own[j * stride + j][at..]);
+        for i in j + 1..N {
+            let mut sum = L::load(&own[i * stride + j][at..]);
             for k in 0..j {
-                pivot = pivot - l[j][k] * l[j][k] * pivots[k];
+                sum = sum - l[i][k] * l[j][k] * pivots[k];
             }
-            let holds = pivot.gt(whole * L::splat(PIVOT_MIN));
-            pivots[j] = L::select(holds, pivot, L::zero());
-            inv[j] = inverse(pivots[j]);
-            inv[j].store(&mut matrix[d + j * n + j][at..]);
-            for i in j + 1..n {
-                let mut sum: L = get(matrix, d + i * n + j, at);
-                for k in 0..j {
-                    sum = sum - l[i][k] * l[j][k] * pivots[k];
+            l[i][j] = sum * inv[j];
+            l[i][j].store(&mut own[i * stride + j][at..]);
+        }
+    }
+    // X = B L⁻ᵀ.
+    for &(joint, b) in &s.below {
+        for r in 0..used.rows(joint) {
+            let row = &mut matrix[b + r * stride..][..N];
+            let mut x = [L::zero(); N];
+            for c in 0..N {
+                let mut sum = L::load(&row[c][at..]);
+                for e in 0..c {
+                    sum = sum - x[e] * l[c][e];
                 }
-                l[i][j] = sum * inv[j];
-                l[i][j].store(&mut matrix[d + i * n + j][at..]);
+                x[c] = sum;
+                sum.store(&mut row[c][at..]);
             }
         }
-        // X = B L⁻ᵀ.
-        for &(joint, b) in &s.below {
-            for r in 0..pattern.rows(joint) {
-                let mut x = [L::zero(); ROWS];
-                for c in 0..n {
-                    let mut sum: L = get(matrix, b + r * n + c, at);
-                    for e in 0..c {
-                        sum = sum - x[e] * l[c][e];
-                    }
-                    x[c] = sum;
-                    sum.store(&mut matrix[b + r * n + c][at..]);
-                }
+    }
+    // W = X D⁻¹ and A −= W Xᵀ, from the last on: those before need their X still.
+    let mut w = [[L::zero(); N]; ROWS];
+    for (m, &(joint, b)) in s.below.iter().enumerate().rev() {
+        let rows = used.rows(joint);
+        for (r, w) in w.iter_mut().enumerate().take(rows) {
+            let row = &matrix[b + r * stride..][..N];
+            for c in 0..N {
+                w[c] = L::load(&row[c][at..]) * inv[c];
             }
         }
-        let mut target = 0;
-        for (m, &(joint, b)) in s.below.iter().enumerate() {
-            let rows = pattern.rows(joint);
-            for r in 0..rows {
-                for c in 0..n {
-                    scratch[r][c] = get::<L>(matrix, b + r * n + c, at) * inv[c];
+        let targets = &s.targets[m * (m + 1) / 2..];
+        for (&(other, o), &to) in s.below[..=m].iter().zip(targets) {
+            let columns = pattern.rows(other);
+            for c in 0..used.rows(other) {
+                let row = &matrix[o + c * stride..][..N];
+                let mut x = [L::zero(); N];
+                for e in 0..N {
+                    x[e] = L::load(&row[e][at..]);
                 }
-            }
-            for &(other, o) in &s.below[..=m] {
-                let to = s.targets[target];
-                target += 1;
-                let columns = pattern.rows(other);
-                for c in 0..columns {
-                    let mut x = [L::zero(); ROWS];
-                    for e in 0..n {
-                        x[e] = get(matrix, o + c * n + e, at);
+                for r in if o == b { c } else { 0 }..rows {
+                    let t = &mut matrix[to + r * columns + c];
+                    let mut sum = L::load(&t[at..]);
+                    for e in 0..N {
+                        sum = sum - w[r % ROWS][e] * x[e];
                     }
-                    for r in if o == b { c } else { 0 }..rows {
-                        let t = to + r * columns + c;
-                        let mut sum: L = get(matrix, t, at);
-                        for e in 0..n {
-                            sum = sum - scratch[r][e] * x[e];
-                        }
-                        sum.store(&mut matrix[t][at..]);
-                    }
+                    sum.store(&mut t[at..]);
                 }
             }
         }
-        for &(joint, b) in &s.below {
-            for r in 0..pattern.rows(joint) {
-                for c in 0..n {
-                    let to = &mut matrix[b + r * n + c][at..];
-                    (L::load(to) * inv[c]).store(to);
-                }
+        for (r, w) in w.iter().enumerate().take(rows) {
+            let row = &mut matrix[b + r * stride..][..N];
+            for c in 0..N {
+                w[c].store(&mut row[c][at..]);
             }
         }
     }
@@ -172,50 +255,88 @@ fn factor<L: Lanes>(band: &mut Band, at: usize) {
 /// Right sides in `x` of the rows to λ.
 #[inline(always)]
 pub(super) fn solve<L: Lanes>(band: &mut Band, at: usize) {
-    let Band { pattern, joints, matrix, .. } = band;
+    let Band { pattern, joints, matrix, used, .. } = band;
+    let used = Used(used, at);
     for s in &pattern.steps {
-        let (n, d) = (pattern.rows(s.joint), s.diagonal);
-        let mut y = [L::zero(); ROWS];
-        for i in 0..n {
-            let mut sum = L::load(&joints[s.joint].rows[i].x[at..]);
-            for e in 0..i {
-                sum = sum - get::<L>(matrix, d + i * n + e, at) * y[e];
-            }
-            y[i] = sum;
-        }
-        for &(joint, b) in &s.below {
-            for r in 0..pattern.rows(joint) {
-                let x = &mut joints[joint].rows[r].x[at..];
-                let mut sum = L::load(x);
-                for c in 0..n {
-                    sum = sum - get::<L>(matrix, b + r * n + c, at) * y[c];
-                }
-                sum.store(x);
-            }
-        }
-        for i in 0..n {
-            (y[i] * get::<L>(matrix, d + i * n + i, at)).store(&mut joints[s.joint].rows[i].x[at..]);
+        let stride = pattern.rows(s.joint);
+        match used.rows(s.joint) {
+            3 => forwards::<L, 3>(s, used, stride, matrix, joints, at),
+            4 => forwards::<L, 4>(s, used, stride, matrix, joints, at),
+            5 => forwards::<L, 5>(s, used, stride, matrix, joints, at),
+            _ => forwards::<L, 6>(s, used, stride, matrix, joints, at),
         }
     }
     for s in pattern.steps.iter().rev() {
-        let (n, d) = (pattern.rows(s.joint), s.diagonal);
-        let mut z = [L::zero(); ROWS];
-        for i in 0..n {
-            z[i] = L::load(&joints[s.joint].rows[i].x[at..]);
+        let stride = pattern.rows(s.joint);
+        match used.rows(s.joint) {
+            3 => backwards::<L, 3>(s, used, stride, matrix, joints, at),
+            4 => backwards::<L, 4>(s, used, stride, matrix, joints, at),
+            5 => backwards::<L, 5>(s, used, stride, matrix, joints, at),
+            _ => backwards::<L, 6>(s, used, stride, matrix, joints, at),
         }
-        for &(joint, b) in &s.below {
-            for r in 0..pattern.rows(joint) {
-                let x = L::load(&joints[joint].rows[r].x[at..]);
-                for c in 0..n {
-                    z[c] = z[c] - get::<L>(matrix, b + r * n + c, at) * x;
-                }
+    }
+}
+
+#[inline(always)]
+fn forwards<L: Lanes, const N: usize>(
+    s: &Step,
+    used: Used<'_>,
+    stride: usize,
+    matrix: &[Lane],
+    joints: &mut [JointLanes],
+    at: usize,
+) {
+    let own = &matrix[s.diagonal..];
+    let mut y = [L::zero(); N];
+    for i in 0..N {
+        let mut sum = L::load(&joints[s.joint].rows[i].x[at..]);
+        for e in 0..i {
+            sum = sum - L::load(&own[i * stride + e][at..]) * y[e];
+        }
+        y[i] = sum;
+    }
+    for &(joint, b) in &s.below {
+        for (r, row) in joints[joint].rows.iter_mut().enumerate().take(used.rows(joint)) {
+            let w = &matrix[b + r * stride..][..N];
+            let mut sum = L::load(&row.x[at..]);
+            for c in 0..N {
+                sum = sum - L::load(&w[c][at..]) * y[c];
+            }
+            sum.store(&mut row.x[at..]);
+        }
+    }
+    for i in 0..N {
+        (y[i] * L::load(&own[i * stride + i][at..])).store(&mut joints[s.joint].rows[i].x[at..]);
+    }
+}
+
+#[inline(always)]
+fn backwards<L: Lanes, const N: usize>(
+    s: &Step,
+    used: Used<'_>,
+    stride: usize,
+    matrix: &[Lane],
+    joints: &mut [JointLanes],
+    at: usize,
+) {
+    let own = &matrix[s.diagonal..];
+    let mut z = [L::zero(); N];
+    for i in 0..N {
+        z[i] = L::load(&joints[s.joint].rows[i].x[at..]);
+    }
+    for &(joint, b) in &s.below {
+        for (r, row) in joints[joint].rows.iter().enumerate().take(used.rows(joint)) {
+            let w = &matrix[b + r * stride..][..N];
+            let x = L::load(&row.x[at..]);
+            for c in 0..N {
+                z[c] = z[c] - L::load(&w[c][at..]) * x;
             }
         }
-        for i in (0..n).rev() {
-            for e in i + 1..n {
-                z[i] = z[i] - get::<L>(matrix, d + e * n + i, at) * z[e];
-            }
-            z[i].store(&mut joints[s.joint].rows[i].x[at..]);
+    }
+    for i in (0..N).rev() {
+        for e in i + 1..N {
+            z[i] = z[i] - L::load(&own[e * stride + i][at..]) * z[e];
         }
+        z[i].store(&mut joints[s.joint].rows[i].x[at..]);
     }
 }

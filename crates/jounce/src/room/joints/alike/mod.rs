@@ -149,12 +149,13 @@ pub(crate) struct Band {
     pub sets: Vec<u32>,
     pub bodies: Vec<Bodies>,
     pub joints: Vec<JointLanes>,
-    /// Blocks of the matrix.
+    /// Blocks of the matrix, and how many rows of a joint take part in lanes that are walked together, by the first of them.
     matrix: Vec<Lane>,
+    used: Vec<[u8; LANES]>,
     /// 1 in lanes that the pass has not finished.
     live: Lane,
-    /// The matrix is that of the rows as they are.
-    fresh: bool,
+    /// 1 where the matrix is that of the rows as they are.
+    fresh: Lane,
     /// Some body of some set is stiffened.
     any_stiff: bool,
     /// Angular momentum of each set before places were put right.
@@ -175,8 +176,9 @@ impl Band {
             bodies: vec![Bodies::default(); pattern.bodies],
             joints: vec![JointLanes::default(); pattern.joints.len()],
             matrix: vec![Z; pattern.floats],
+            used: vec![[0; LANES]; pattern.joints.len()],
             live: Z,
-            fresh: false,
+            fresh: Z,
             any_stiff: false,
             angular: LaneVec::ZERO,
             any_pull: false,

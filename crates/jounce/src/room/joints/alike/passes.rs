@@ -114,7 +114,7 @@ impl Band {
 
     fn refresh(&mut self, width: Width) {
         dispatch(width, Refresh(self));
-        self.fresh = false;
+        self.fresh = Z;
     }
 
     /// Where the way of the substep bends much, that is judged only once the velocities fit the joints (see [`super::super::active`]).
@@ -152,28 +152,12 @@ impl Band {
     fn rounds(&mut self, width: Width, pass: Pass, k: &Constants) {
         dispatch(width, Aim { band: self, pass, k });
         for round in 1..=ROUNDS {
-            self.factor(width);
+            dispatch(width, Factor(self));
             let lets_in = round <= ROUNDS_OF_ENDS;
             dispatch(width, Try { band: self, pass, k, lets_in, last: round == ROUNDS });
             if self.live == Z {
                 return;
             }
-        }
-    }
-
-    /// The matrix of the rows that take part.
-    fn factor(&mut self, width: Width) {
-        let mut same = self.fresh;
-        for (j, link) in self.joints.iter_mut().zip(&self.pattern.joints) {
-            let (holds, ends) = link.kind.turns();
-            for row in &mut j.rows[3 + holds..3 + holds + ends] {
-                same &= row.factored == row.acts;
-                row.factored = row.acts;
-            }
-        }
-        if !same {
-            dispatch(width, Factor(self));
-            self.fresh = true;
         }
     }
 

@@ -59,6 +59,11 @@ impl Kind {
         let (hold, ends) = self.turns();
         3 + hold + ends
     }
+    /// Rows from here on are ends.
+    #[inline(always)]
+    pub(super) fn first_end(self) -> usize {
+        3 + self.turns().0
+    }
 }
 
 /// One pull, one drive, and ends within half a turn, where the angle is the angle whatever it was before.
@@ -116,7 +121,9 @@ pub(crate) struct Pattern {
     pub bodies: usize,
     /// The elimination, joint by joint.
     pub(super) steps: Vec<Step>,
+    /// Blocks of two joints that share a body, and what elimination fills beside them: from, to.
     pub(super) meets: Vec<Meet>,
+    pub(super) filled: Vec<(usize, usize)>,
     pub(super) floats: usize,
     /// Joints of each body, and whether it is A.
     pub(super) at_body: Vec<Vec<(u16, bool)>>,
@@ -128,10 +135,10 @@ impl Pattern {
         let links: Vec<(u8, [u32; 2])> =
             joints.iter().map(|l| (l.kind.rows() as u8, [u32::from(l.a), u32::from(l.b)])).collect();
         let plan = Plan::new(&links, bodies, 6 * joints.len() + 64).filter(|p| !p.has_loops())?;
-        let steps = plan.steps().collect();
+        let steps: Vec<Step> = plan.steps().collect();
         let mut meets = Vec::new();
         for (i, l) in joints.iter().enumerate() {
-            for (k, m) in joints[..=i].iter().enumerate() {
+            for (k, m) in joints[..i].iter().enumerate() {
                 for (body, i_is_a) in [(l.a, true), (l.b, false)] {
                     for (other, k_is_a) in [(m.a, true), (m.b, false)] {
                         if body == other {
@@ -145,12 +152,20 @@ impl Pattern {
                 }
             }
         }
+        let mut filled = Vec::new();
+        for s in &steps {
+            for &(joint, at) in &s.below {
+                if !meets.iter().any(|m: &Meet| m.at as usize == at) {
+                    filled.push((at, at + joints[joint].kind.rows() * joints[s.joint].kind.rows()));
+                }
+            }
+        }
         let mut at_body = vec![Vec::new(); bodies];
         for (i, l) in joints.iter().enumerate() {
             at_body[l.a as usize].push((i as u16, true));
             at_body[l.b as usize].push((i as u16, false));
         }
-        Some(Self { joints: joints.to_vec(), bodies, steps, meets, floats: plan.floats(), at_body })
+        Some(Self { joints: joints.to_vec(), bodies, steps, meets, filled, floats: plan.floats(), at_body })
     }
     #[inline(always)]
     pub(super) fn rows(&self, joint: usize) -> usize {
@@ -159,6 +174,6 @@ impl Pattern {
     /// Rows from here on are ends.
     #[inline(always)]
     pub(super) fn first_end(&self, joint: usize) -> usize {
-        3 + self.joints[joint].kind.turns().0
+        self.joints[joint].kind.first_end()
     }
 }
