@@ -1,6 +1,6 @@
 //! The kernels of a pass, but for the matrix.
 
-use super::pattern::Kind;
+use super::pattern::{Kind, Link};
 use super::{Band, Bodies, JointLanes, NOBODY, Pass, Row};
 use crate::room::contacts::rows::{LANES, Lane, LaneVec, Wide3};
 use crate::room::joints::active::TAUT_SPEED;
@@ -358,14 +358,6 @@ fn put_row<L: Lanes>(row: &mut Row, at: usize, ja: Wide3<L>, jb: Wide3<L>, c: L,
     c.store(&mut row.c[at..]);
 }
 
-/// J u of a row; `i` < 3 are the point's.
-#[inline(always)]
-fn speed<L: Lanes>(row: &Row, i: usize, at: usize, a: (&LaneVec, &LaneVec), b: (&LaneVec, &LaneVec)) -> L {
-    let turns = Wide3::<L>::load(&row.ja, at).dot(Wide3::load(a.1, at))
-        + Wide3::<L>::load(&row.jb, at).dot(Wide3::load(b.1, at));
-    if i < 3 { L::load(&b.0.0[i][at..]) - L::load(&a.0.0[i][at..]) + turns } else { turns }
-}
-
 /// Right sides, and who acts at first.
 pub(super) struct Aim<'a> {
     pub band: &'a mut Band,
@@ -428,11 +420,12 @@ fn aim<L: Lanes>(
             }
         }
     }
+    let speeds = Speeds::<L>::now(a, b, at);
     for i in 0..first_end + ends {
         let row = &mut j.rows[i];
         let lambda = L::load(&row.lambda[at..]);
         lambda.store(&mut row.before[at..]);
-        let v = speed::<L>(row, i, at, (&a.v, &a.w), (&b.v, &b.w));
+        let v = speeds.along(row, i, at);
         let c = L::load(&row.c[at..]);
         let end = i >= first_end;
         let curve = if pass.looks_ahead() { next[i] - c - h * v } else { zero };
@@ -621,22 +614,69 @@ impl Kernel for Try<'_> {
     }
 }
 
+/// Velocities of a joint's two bodies.
+#[derive(Clone, Copy)]
+struct Speeds<L> {
+    va: Wide3<L>,
+    wa: Wide3<L>,
+    vb: Wide3<L>,
+    wb: Wide3<L>,
+}
+
+impl<L: Lanes> Speeds<L> {
+    #[inline(always)]
+    fn now(a: &Bodies, b: &Bodies, at: usize) -> Self {
+        let load = |v: &LaneVec| Wide3::load(v, at);
+        Self { va: load(&a.v), wa: load(&a.w), vb: load(&b.v), wb: load(&b.w) }
+    }
+    /// Those on trial.
+    #[inline(always)]
+    fn tried(a: &Bodies, b: &Bodies, at: usize) -> Self {
+        let load = |v: &LaneVec| Wide3::load(v, at);
+        Self { va: load(&a.try_v), wa: load(&a.try_w), vb: load(&b.try_v), wb: load(&b.try_w) }
+    }
+    /// J u of a row; `i` < 3 are the point's.
+    #[inline(always)]
+    fn along(&self, row: &Row, i: usize, at: usize) -> L {
+        let turns = Wide3::load(&row.ja, at).dot(self.wa) + Wide3::load(&row.jb, at).dot(self.wb);
+        match i {
+            0 => self.vb.x - self.va.x + turns,
+            1 => self.vb.y - self.va.y + turns,
+            2 => self.vb.z - self.va.z + turns,
+            _ => turns,
+        }
+    }
+    /// M⁻¹ Jᵀ x of a row; `m`: inverse masses.
+    #[inline(always)]
+    fn give(&mut self, row: &Row, i: usize, at: usize, m: [L; 2], x: L) {
+        self.wa = self.wa.add(Wide3::load(&row.ia, at).scale(x));
+        self.wb = self.wb.add(Wide3::load(&row.ib, at).scale(x));
+        let (a, b) = (m[0] * x, m[1] * x);
+        match i {
+            0 => (self.va.x, self.vb.x) = (self.va.x - a, self.vb.x + b),
+            1 => (self.va.y, self.vb.y) = (self.va.y - a, self.vb.y + b),
+            2 => (self.va.z, self.vb.z) = (self.va.z - a, self.vb.z + b),
+            _ => {}
+        }
+    }
+    /// To the trial.
+    #[inline(always)]
+    fn try_on(&self, bodies: &mut [Bodies], link: &Link, at: usize) {
+        let a = &mut bodies[link.a as usize];
+        self.va.store(&mut a.try_v, at);
+        self.wa.store(&mut a.try_w, at);
+        let b = &mut bodies[link.b as usize];
+        self.vb.store(&mut b.try_v, at);
+        self.wb.store(&mut b.try_w, at);
+    }
+}
+
 #[inline(always)]
-fn give<L: Lanes>(bodies: &mut [Bodies], a: usize, b: usize, row: &Row, i: usize, at: usize, x: L) {
-    let body = &mut bodies[a];
-    let w = &mut body.try_w;
-    Wide3::load(w, at).add(Wide3::load(&row.ia, at).scale(x)).store(w, at);
-    if i < 3 {
-        let v = &mut body.try_v.0[i][at..];
-        (L::load(v) - L::load(&body.inv_mass[at..]) * x).store(v);
-    }
-    let body = &mut bodies[b];
-    let w = &mut body.try_w;
-    Wide3::load(w, at).add(Wide3::load(&row.ib, at).scale(x)).store(w, at);
-    if i < 3 {
-        let v = &mut body.try_v.0[i][at..];
-        (L::load(v) + L::load(&body.inv_mass[at..]) * x).store(v);
-    }
+fn inv_masses<L: Lanes>(bodies: &[Bodies], link: &Link, at: usize) -> [L; 2] {
+    [link.a, link.b].map(
+        #[inline(always)]
+        |i| L::load(&bodies[i as usize].inv_mass[at..]),
+    )
 }
 
 #[inline(always)]
@@ -646,47 +686,51 @@ fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, let
     if !live.any() {
         return;
     }
-    let Band { pattern, bodies, joints, .. } = band;
+    let Band { pattern, bodies, joints, used, .. } = band;
     for b in bodies.iter_mut() {
         Wide3::<L>::load(&b.v, at).store(&mut b.try_v, at);
         Wide3::<L>::load(&b.w, at).store(&mut b.try_w, at);
     }
     // Ends that pushed and no longer do take back what they gave.
     for (link, j) in pattern.joints.iter().zip(joints.iter()) {
-        let (holds, ends) = link.kind.turns();
-        for i in 3 + holds..3 + holds + ends {
+        for i in link.kind.first_end()..link.kind.rows() {
             let row = &j.rows[i];
             let idle = L::load(&row.acts[at..]).eq(zero);
             let back = L::select(idle, -L::load(&row.before[at..]), zero);
             if !back.eq(zero).all() {
-                give(bodies, link.a as usize, link.b as usize, row, i, at, back);
+                let [a, b] = [link.a, link.b].map(|i| &bodies[i as usize]);
+                let mut speeds = Speeds::<L>::tried(a, b, at);
+                speeds.give(row, i, at, inv_masses(bodies, link, at), back);
+                speeds.try_on(bodies, link, at);
             }
         }
     }
-    for (link, j) in pattern.joints.iter().zip(joints.iter_mut()) {
-        let (a, b) = (&bodies[link.a as usize], &bodies[link.b as usize]);
-        for (i, row) in j.rows[..link.kind.rows()].iter_mut().enumerate() {
-            let v = speed::<L>(row, i, at, (&a.try_v, &a.try_w), (&b.try_v, &b.try_w));
-            let r = -(v + L::load(&row.bend[at..]));
+    // Rows that take part in none of these lanes have nothing to solve.
+    for ((link, j), used) in pattern.joints.iter().zip(joints.iter_mut()).zip(&*used) {
+        let speeds = Speeds::<L>::tried(&bodies[link.a as usize], &bodies[link.b as usize], at);
+        for (i, row) in j.rows.iter_mut().enumerate().take(usize::from(used[at % LANES])) {
+            let r = -(speeds.along(row, i, at) + L::load(&row.bend[at..]));
             L::select(L::load(&row.acts[at..]).gt(zero), r, zero).store(&mut row.x[at..]);
         }
     }
     super::matrix::solve::<L>(band, at);
-    let Band { pattern, bodies, joints, .. } = band;
+    let Band { pattern, bodies, joints, used, .. } = band;
     // How much of it the bodies can bear.
-    let part = bearable::<L>(pattern, bodies, joints, at, k);
-    for (link, j) in pattern.joints.iter().zip(joints.iter_mut()) {
-        for (i, row) in j.rows[..link.kind.rows()].iter_mut().enumerate() {
+    let part = bearable::<L>(pattern, bodies, joints, used, at, k);
+    for ((link, j), used) in pattern.joints.iter().zip(joints.iter_mut()).zip(&*used) {
+        let m = inv_masses(bodies, link, at);
+        let mut speeds = Speeds::<L>::tried(&bodies[link.a as usize], &bodies[link.b as usize], at);
+        for (i, row) in j.rows.iter_mut().enumerate().take(usize::from(used[at % LANES])) {
             let x = L::load(&row.x[at..]) * part;
             x.store(&mut row.x[at..]);
-            give(bodies, link.a as usize, link.b as usize, row, i, at, x);
+            speeds.give(row, i, at, m, x);
         }
+        speeds.try_on(bodies, link, at);
     }
     // Who pulls is let go; where nobody does, who is passed is let in.
     let mut held = zero;
     for (link, j) in pattern.joints.iter().zip(joints.iter_mut()) {
-        let (holds, ends) = link.kind.turns();
-        for row in &mut j.rows[3 + holds..3 + holds + ends] {
+        for row in &mut j.rows[link.kind.first_end()..link.kind.rows()] {
             let acts = L::load(&row.acts[at..]);
             let total = L::load(&row.before[at..]) + L::load(&row.x[at..]);
             let pulls = live & acts.gt(zero) & total.lt(zero);
@@ -700,12 +744,11 @@ fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, let
     if lets_in && !last {
         let may = live & held.eq(zero);
         for (link, j) in pattern.joints.iter().zip(joints.iter_mut()) {
-            let (holds, ends) = link.kind.turns();
-            let (a, b) = (&bodies[link.a as usize], &bodies[link.b as usize]);
-            for i in 3 + holds..3 + holds + ends {
+            let speeds = Speeds::<L>::tried(&bodies[link.a as usize], &bodies[link.b as usize], at);
+            for i in link.kind.first_end()..link.kind.rows() {
                 let row = &mut j.rows[i];
                 let acts = L::load(&row.acts[at..]);
-                let v = speed::<L>(row, i, at, (&a.try_v, &a.try_w), (&b.try_v, &b.try_w));
+                let v = speeds.along(row, i, at);
                 let passed = if pass == Pass::Relax {
                     L::load(&row.c[at..]).max(zero) + h * v
                 } else {
@@ -740,6 +783,7 @@ fn bearable<L: Lanes>(
     pattern: &super::Pattern,
     bodies: &mut [Bodies],
     joints: &[JointLanes],
+    used: &[[u8; LANES]],
     at: usize,
     k: &Constants,
 ) -> L {
@@ -748,9 +792,8 @@ fn bearable<L: Lanes>(
     for body in 0..bodies.len() {
         let (mut dv, mut dw) = (zero3::<L>(), zero3::<L>());
         for &(j, is_a) in &pattern.at_body[body] {
-            let link = &pattern.joints[j as usize];
-            let joint = &joints[j as usize];
-            for (i, row) in joint.rows[..link.kind.rows()].iter().enumerate() {
+            let (joint, used) = (&joints[j as usize], used[j as usize][at % LANES]);
+            for (i, row) in joint.rows.iter().enumerate().take(usize::from(used)) {
                 let x = L::load(&row.x[at..]);
                 let inv = if is_a { &row.ia } else { &row.ib };
                 dw = dw.add(Wide3::load(inv, at).scale(x));

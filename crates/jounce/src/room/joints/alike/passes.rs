@@ -124,9 +124,11 @@ impl Band {
         self.live = self.bends(k);
         if self.live != Z {
             self.rounds(width, Pass::Straight, k);
+            self.live = live;
+            dispatch(width, Aim { band: self, pass: Pass::Solve, k });
         }
         self.live = live;
-        self.rounds(width, Pass::Solve, k);
+        self.go_round(width, Pass::Solve, k);
     }
 
     /// 1 in lanes in which the way of some point bends by more than [`BEND`] in the substep.
@@ -151,6 +153,11 @@ impl Band {
 
     fn rounds(&mut self, width: Width, pass: Pass, k: &Constants) {
         dispatch(width, Aim { band: self, pass, k });
+        self.go_round(width, pass, k);
+    }
+
+    /// The active set, once all rows have their right sides.
+    fn go_round(&mut self, width: Width, pass: Pass, k: &Constants) {
         for round in 1..=ROUNDS {
             dispatch(width, Factor(self));
             let lets_in = round <= ROUNDS_OF_ENDS;
