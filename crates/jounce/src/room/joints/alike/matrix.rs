@@ -7,7 +7,7 @@
 //! Rows of ends come last in their joint. Where none of the lanes that are walked together is at one, its row is left out: most are.
 
 use super::{Band, JointLanes, Pattern, ROWS};
-use crate::room::contacts::rows::{LANES, Lane, LaneVec};
+use crate::room::contacts::rows::{LANES, LaneVec};
 use crate::room::joints::direct::Step;
 use crate::room::joints::lanes::inverse;
 use jounce_lanes::{Kernel, Lanes, Mask, three};
@@ -25,19 +25,58 @@ impl Kernel for Factor<'_> {
         for at in (0..LANES).step_by(L::WIDTH) {
             if stale::<L>(self.0, at) {
                 assemble::<L>(self.0, at);
-                for s in &self.0.pattern.steps {
-                    let (used, matrix) = (Used(&self.0.used, at), &mut self.0.matrix);
-                    let stride = self.0.pattern.rows(s.joint);
+                let Band { pattern, matrix, used, .. } = &mut *self.0;
+                let (used, blocks) = (Used(used, at), &mut Blocks::of::<L>(matrix, at));
+                for s in &pattern.steps {
                     match used.rows(s.joint) {
-                        3 => eliminate::<L, 3>(s, used, stride, matrix, &self.0.pattern, at),
-                        4 => eliminate::<L, 4>(s, used, stride, matrix, &self.0.pattern, at),
-                        5 => eliminate::<L, 5>(s, used, stride, matrix, &self.0.pattern, at),
-                        _ => eliminate::<L, 6>(s, used, stride, matrix, &self.0.pattern, at),
+                        3 => eliminate::<L, 3>(s, used, blocks, pattern),
+                        4 => eliminate::<L, 4>(s, used, blocks, pattern),
+                        5 => eliminate::<L, 5>(s, used, blocks, pattern),
+                        _ => eliminate::<L, 6>(s, used, blocks, pattern),
                     }
                 }
             }
         }
     }
+}
+
+/// The blocks of the lanes that are walked together, one float a lane each: what a width walks lies side by side.
+struct Blocks<'a>(&'a mut [f32]);
+
+impl<'a> Blocks<'a> {
+    /// Those of the lanes from `at` on.
+    #[inline(always)]
+    fn of<L: Lanes>(matrix: &'a mut [f32], at: usize) -> Self {
+        let floats = matrix.len() / LANES;
+        Self(&mut matrix[at * floats..][..L::WIDTH * floats])
+    }
+    /// `n` numbers from `i` on.
+    #[inline(always)]
+    fn row<L: Lanes>(&self, i: usize, n: usize) -> &[f32] {
+        &self.0[i * L::WIDTH..][..n * L::WIDTH]
+    }
+    #[inline(always)]
+    fn row_mut<L: Lanes>(&mut self, i: usize, n: usize) -> &mut [f32] {
+        &mut self.0[i * L::WIDTH..][..n * L::WIDTH]
+    }
+    #[inline(always)]
+    fn get<L: Lanes>(&self, i: usize) -> L {
+        get(self.0, i)
+    }
+    #[inline(always)]
+    fn put<L: Lanes>(&mut self, i: usize, x: L) {
+        put(self.0, i, x);
+    }
+}
+
+#[inline(always)]
+fn get<L: Lanes>(row: &[f32], i: usize) -> L {
+    L::load(&row[i * L::WIDTH..])
+}
+
+#[inline(always)]
+fn put<L: Lanes>(row: &mut [f32], i: usize, x: L) {
+    x.store(&mut row[i * L::WIDTH..]);
 }
 
 /// Rows of each joint up to the last that takes part in any of the lanes from `at` on: the others are zero but for their 1.
@@ -97,11 +136,9 @@ fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
 #[inline(always)]
 fn assemble<L: Lanes>(band: &mut Band, at: usize) {
     let Band { pattern, bodies, joints, matrix, used, .. } = band;
-    let used = Used(used, at);
+    let (used, mut blocks) = (Used(used, at), Blocks::of::<L>(matrix, at));
     for &(from, to) in &pattern.filled {
-        for m in &mut matrix[from..to] {
-            L::zero().store(&mut m[at..]);
-        }
+        blocks.row_mut::<L>(from, to - from).fill(0.0);
     }
     // A joint with itself, over both of its bodies: the lower half.
     for s in &pattern.steps {
@@ -127,7 +164,7 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
                         value = value + (L::splat(1.0) - acts);
                     }
                 }
-                value.store(&mut matrix[s.diagonal + r * rows + c][at..]);
+                blocks.put(s.diagonal + r * rows + c, value);
             }
         }
     }
@@ -159,7 +196,7 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
                 if r >= end_i {
                     value = value * L::load(&row.acts[at..]);
                 }
-                value.store(&mut matrix[m.at as usize + r * columns + c][at..]);
+                blocks.put(m.at as usize + r * columns + c, value);
             }
         }
     }
@@ -170,18 +207,17 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
 fn eliminate<L: Lanes, const N: usize>(
     s: &Step,
     used: Used<'_>,
-    stride: usize,
-    matrix: &mut [Lane],
+    blocks: &mut Blocks<'_>,
     pattern: &Pattern,
-    at: usize,
 ) {
+    let stride = pattern.rows(s.joint);
     // L D Lᵀ of the diagonal block: l and 1/d in registers for what is below.
     let mut l = [[L::zero(); N]; N];
     let mut inv = [L::zero(); N];
     let mut pivots = [L::zero(); N];
-    let own = &mut matrix[s.diagonal..];
+    let own = blocks.row_mut::<L>(s.diagonal, stride * stride);
     for j in 0..N {
-        let whole = L::load(&own[j * stride + j][at..]);
+        let whole = get::<L>(own, j * stride + j);
         let mut pivot = whole;
         for k in 0..j {
             pivot = pivot - l[j][k] * l[j][k] * pivots[k];
@@ -189,28 +225,28 @@ fn eliminate<L: Lanes, const N: usize>(
         let holds = pivot.gt(whole * L::splat(PIVOT_MIN));
         pivots[j] = L::select(holds, pivot, L::zero());
         inv[j] = inverse(pivots[j]);
-        inv[j].store(&mut own[j * stride + j][at..]);
+        put(own, j * stride + j, inv[j]);
         for i in j + 1..N {
-            let mut sum = L::load(&own[i * stride + j][at..]);
+            let mut sum = get::<L>(own, i * stride + j);
             for k in 0..j {
                 sum = sum - l[i][k] * l[j][k] * pivots[k];
             }
             l[i][j] = sum * inv[j];
-            l[i][j].store(&mut own[i * stride + j][at..]);
+            put(own, i * stride + j, l[i][j]);
         }
     }
     // X = B L⁻ᵀ.
     for &(joint, b) in &s.below {
         for r in 0..used.rows(joint) {
-            let row = &mut matrix[b + r * stride..][..N];
+            let row = blocks.row_mut::<L>(b + r * stride, N);
             let mut x = [L::zero(); N];
             for c in 0..N {
-                let mut sum = L::load(&row[c][at..]);
+                let mut sum = get::<L>(row, c);
                 for e in 0..c {
                     sum = sum - x[e] * l[c][e];
                 }
                 x[c] = sum;
-                sum.store(&mut row[c][at..]);
+                put(row, c, sum);
             }
         }
     }
@@ -219,34 +255,34 @@ fn eliminate<L: Lanes, const N: usize>(
     for (m, &(joint, b)) in s.below.iter().enumerate().rev() {
         let rows = used.rows(joint);
         for (r, w) in w.iter_mut().enumerate().take(rows) {
-            let row = &matrix[b + r * stride..][..N];
+            let row = blocks.row::<L>(b + r * stride, N);
             for c in 0..N {
-                w[c] = L::load(&row[c][at..]) * inv[c];
+                w[c] = get::<L>(row, c) * inv[c];
             }
         }
         let targets = &s.targets[m * (m + 1) / 2..];
         for (&(other, o), &to) in s.below[..=m].iter().zip(targets) {
             let columns = pattern.rows(other);
             for c in 0..used.rows(other) {
-                let row = &matrix[o + c * stride..][..N];
+                let row = blocks.row::<L>(o + c * stride, N);
                 let mut x = [L::zero(); N];
                 for e in 0..N {
-                    x[e] = L::load(&row[e][at..]);
+                    x[e] = get::<L>(row, e);
                 }
                 for r in if o == b { c } else { 0 }..rows {
-                    let t = &mut matrix[to + r * columns + c];
-                    let mut sum = L::load(&t[at..]);
+                    let t = to + r * columns + c;
+                    let mut sum: L = blocks.get(t);
                     for e in 0..N {
                         sum = sum - w[r % ROWS][e] * x[e];
                     }
-                    sum.store(&mut t[at..]);
+                    blocks.put(t, sum);
                 }
             }
         }
         for (r, w) in w.iter().enumerate().take(rows) {
-            let row = &mut matrix[b + r * stride..][..N];
+            let row = blocks.row_mut::<L>(b + r * stride, N);
             for c in 0..N {
-                w[c].store(&mut row[c][at..]);
+                put(row, c, w[c]);
             }
         }
     }
@@ -256,23 +292,23 @@ fn eliminate<L: Lanes, const N: usize>(
 #[inline(always)]
 pub(super) fn solve<L: Lanes>(band: &mut Band, at: usize) {
     let Band { pattern, joints, matrix, used, .. } = band;
-    let used = Used(used, at);
+    let (used, blocks) = (Used(used, at), &Blocks::of::<L>(matrix, at));
     for s in &pattern.steps {
         let stride = pattern.rows(s.joint);
         match used.rows(s.joint) {
-            3 => forwards::<L, 3>(s, used, stride, matrix, joints, at),
-            4 => forwards::<L, 4>(s, used, stride, matrix, joints, at),
-            5 => forwards::<L, 5>(s, used, stride, matrix, joints, at),
-            _ => forwards::<L, 6>(s, used, stride, matrix, joints, at),
+            3 => forwards::<L, 3>(s, used, stride, blocks, joints, at),
+            4 => forwards::<L, 4>(s, used, stride, blocks, joints, at),
+            5 => forwards::<L, 5>(s, used, stride, blocks, joints, at),
+            _ => forwards::<L, 6>(s, used, stride, blocks, joints, at),
         }
     }
     for s in pattern.steps.iter().rev() {
         let stride = pattern.rows(s.joint);
         match used.rows(s.joint) {
-            3 => backwards::<L, 3>(s, used, stride, matrix, joints, at),
-            4 => backwards::<L, 4>(s, used, stride, matrix, joints, at),
-            5 => backwards::<L, 5>(s, used, stride, matrix, joints, at),
-            _ => backwards::<L, 6>(s, used, stride, matrix, joints, at),
+            3 => backwards::<L, 3>(s, used, stride, blocks, joints, at),
+            4 => backwards::<L, 4>(s, used, stride, blocks, joints, at),
+            5 => backwards::<L, 5>(s, used, stride, blocks, joints, at),
+            _ => backwards::<L, 6>(s, used, stride, blocks, joints, at),
         }
     }
 }
@@ -282,31 +318,31 @@ fn forwards<L: Lanes, const N: usize>(
     s: &Step,
     used: Used<'_>,
     stride: usize,
-    matrix: &[Lane],
+    blocks: &Blocks<'_>,
     joints: &mut [JointLanes],
     at: usize,
 ) {
-    let own = &matrix[s.diagonal..];
+    let own = blocks.row::<L>(s.diagonal, stride * stride);
     let mut y = [L::zero(); N];
     for i in 0..N {
         let mut sum = L::load(&joints[s.joint].rows[i].x[at..]);
         for e in 0..i {
-            sum = sum - L::load(&own[i * stride + e][at..]) * y[e];
+            sum = sum - get::<L>(own, i * stride + e) * y[e];
         }
         y[i] = sum;
     }
     for &(joint, b) in &s.below {
         for (r, row) in joints[joint].rows.iter_mut().enumerate().take(used.rows(joint)) {
-            let w = &matrix[b + r * stride..][..N];
+            let w = blocks.row::<L>(b + r * stride, N);
             let mut sum = L::load(&row.x[at..]);
             for c in 0..N {
-                sum = sum - L::load(&w[c][at..]) * y[c];
+                sum = sum - get::<L>(w, c) * y[c];
             }
             sum.store(&mut row.x[at..]);
         }
     }
     for i in 0..N {
-        (y[i] * L::load(&own[i * stride + i][at..])).store(&mut joints[s.joint].rows[i].x[at..]);
+        (y[i] * get::<L>(own, i * stride + i)).store(&mut joints[s.joint].rows[i].x[at..]);
     }
 }
 
@@ -315,27 +351,27 @@ fn backwards<L: Lanes, const N: usize>(
     s: &Step,
     used: Used<'_>,
     stride: usize,
-    matrix: &[Lane],
+    blocks: &Blocks<'_>,
     joints: &mut [JointLanes],
     at: usize,
 ) {
-    let own = &matrix[s.diagonal..];
+    let own = blocks.row::<L>(s.diagonal, stride * stride);
     let mut z = [L::zero(); N];
     for i in 0..N {
         z[i] = L::load(&joints[s.joint].rows[i].x[at..]);
     }
     for &(joint, b) in &s.below {
         for (r, row) in joints[joint].rows.iter().enumerate().take(used.rows(joint)) {
-            let w = &matrix[b + r * stride..][..N];
+            let w = blocks.row::<L>(b + r * stride, N);
             let x = L::load(&row.x[at..]);
             for c in 0..N {
-                z[c] = z[c] - L::load(&w[c][at..]) * x;
+                z[c] = z[c] - get::<L>(w, c) * x;
             }
         }
     }
     for i in (0..N).rev() {
         for e in i + 1..N {
-            z[i] = z[i] - L::load(&own[e * stride + i][at..]) * z[e];
+            z[i] = z[i] - get::<L>(own, e * stride + i) * z[e];
         }
         z[i].store(&mut joints[s.joint].rows[i].x[at..]);
     }

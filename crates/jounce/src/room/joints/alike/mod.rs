@@ -149,8 +149,8 @@ pub(crate) struct Band {
     pub sets: Vec<u32>,
     pub bodies: Vec<Bodies>,
     pub joints: Vec<JointLanes>,
-    /// Blocks of the matrix, and how many rows of a joint take part in lanes that are walked together, by the first of them.
-    matrix: Vec<Lane>,
+    /// Blocks of the matrix (see [`matrix::Factor`] for their order), and how many rows of a joint take part in lanes that are walked together, by the first of them.
+    matrix: Vec<f32>,
     used: Vec<[u8; LANES]>,
     /// 1 in lanes that the pass has not finished.
     live: Lane,
@@ -175,7 +175,7 @@ impl Band {
             sets: Vec::new(),
             bodies: vec![Bodies::default(); pattern.bodies],
             joints: vec![JointLanes::default(); pattern.joints.len()],
-            matrix: vec![Z; pattern.floats],
+            matrix: vec![0.0; LANES * pattern.floats],
             used: vec![[0; LANES]; pattern.joints.len()],
             live: Z,
             fresh: Z,
