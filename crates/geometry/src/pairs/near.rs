@@ -4,8 +4,9 @@
 //! now: what is kept changes no result. Where a test finds none that could be touched, it says how far the shape may go before
 //! one could be.
 
-use super::sieve::{Direction, Sieve, WIDE};
+use super::sieve::{Direction, Directions, Sieve};
 use crate::{Aabb, TriMesh};
+use jounce_lanes::{Kernel, LANES_MAX, Lanes, Mask, Width, dispatch, three};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
 /// Least and most room around the bounds, as a part of their longest side.
@@ -24,7 +25,7 @@ pub struct Near {
     bounds: Aabb,
     /// In rising order.
     indices: Vec<u32>,
-    blocks: Vec<Four>,
+    blocks: Vec<Block>,
     /// Where the shape's centre and its rotation were at the last test, and the margin.
     center: Vec3,
     rotation: Quat,
@@ -33,11 +34,14 @@ pub struct Near {
     free: f32,
 }
 
-/// Corners and normals of four triangles. The last block is filled up with its last triangle.
+type Lane = [f32; LANES_MAX];
+
+/// Corners and normals of triangles, abreast. The last block is filled up with its last triangle.
 #[derive(Clone, Copy, Debug)]
-struct Four {
-    corners: [[[f32; WIDE]; 3]; 3],
-    normal: [[f32; WIDE]; 3],
+#[repr(align(64))]
+struct Block {
+    corners: [[Lane; 3]; 3],
+    normal: [Lane; 3],
 }
 
 impl Default for Near {
@@ -96,13 +100,15 @@ impl Near {
             return false;
         }
         out.clear();
-        let directions = shape.sieve.directions();
-        for (four, indices) in self.blocks.iter().zip(self.indices.chunks(WIDE)) {
-            let passed = four.passed(shape, directions.all(), mesh.double_sided);
-            out.extend(indices.iter().zip(passed).filter(|(_, p)| *p).map(|(&i, _)| i));
-        }
+        let directions = &shape.sieve.directions();
+        let two_sided = mesh.double_sided;
+        let Self { blocks, indices, .. } = &*self;
+        dispatch(Width::detect(), Pick { blocks, indices, shape, directions, two_sided, out });
         if out.is_empty() {
-            self.free = self.measure(shape, directions.all(), mesh.double_sided);
+            let (inner, outer) = (shape.bounds, &self.bounds);
+            let sides = (inner.min - outer.min).min(outer.max - inner.max).min_component();
+            let beyond = Beyond { blocks, deepest: shape.deepest, directions, two_sided };
+            self.free = f32s::min(sides, dispatch(Width::detect(), beyond));
         }
         true
     }
@@ -129,99 +135,152 @@ impl Near {
         self.indices.clear();
         self.indices.extend_from_slice(list);
         self.blocks.clear();
-        self.blocks.extend(list.chunks(WIDE).map(|part| Four::new(mesh, part)));
+        self.blocks.extend(list.chunks(LANES_MAX).map(|part| Block::new(mesh, part)));
         true
-    }
-
-    /// How far the shape may go before it touches one of the triangles, or one that is not in the list.
-    fn measure(&self, shape: &Asker, directions: &[Direction], two_sided: bool) -> f32 {
-        let (inner, outer) = (shape.bounds, &self.bounds);
-        let sides = (inner.min - outer.min).min(outer.max - inner.max);
-        let beyond = |four: &Four| four.beyond(shape.deepest, directions, two_sided);
-        self.blocks.iter().map(beyond).fold(sides.min_component(), f32s::min)
     }
 }
 
-impl Four {
+impl Block {
     fn new(mesh: &TriMesh, part: &[u32]) -> Self {
-        let patch = |i: usize| &mesh.patches[part[i.min(part.len() - 1)] as usize];
-        let lanes = |f: &dyn Fn(usize) -> f32| core::array::from_fn(f);
-        Self {
-            corners: [0, 1, 2].map(|k| [0, 1, 2].map(|axis| lanes(&|i| patch(i).corners[k][axis]))),
-            normal: [0, 1, 2].map(|axis| lanes(&|i| patch(i).normal[axis])),
+        let mut block = Self { corners: [[[0.0; LANES_MAX]; 3]; 3], normal: [[0.0; LANES_MAX]; 3] };
+        for i in 0..LANES_MAX {
+            let patch = &mesh.patches[part[i.min(part.len() - 1)] as usize];
+            for axis in 0..3 {
+                for k in 0..3 {
+                    block.corners[k][axis][i] = patch.corners[k][axis];
+                }
+                block.normal[axis][i] = patch.normal[axis];
+            }
         }
+        block
     }
+}
 
-    /// What `Aabb::overlaps`, `Surface::facing` and `Sieve::passes` say of each.
-    fn passed(&self, shape: &Asker, directions: &[Direction], two_sided: bool) -> [bool; WIDE] {
-        let mut out = [0_u32; WIDE];
-        let behind = self.behind(shape.center);
-        for i in 0..WIDE {
-            out[i] = u32::from(two_sided) | (1 - behind[i]);
-        }
-        for axis in 0..3 {
-            let (lo, hi) = (shape.bounds.min[axis], shape.bounds.max[axis]);
-            let [a, b, c] = [0, 1, 2].map(|k| &self.corners[k][axis]);
-            for i in 0..WIDE {
-                let least = f32s::min(f32s::min(a[i], b[i]), c[i]);
-                let most = f32s::max(f32s::max(a[i], b[i]), c[i]);
-                out[i] &= u32::from(least <= hi) & u32::from(lo <= most);
-            }
-        }
-        for d in directions {
-            if out == [0; WIDE] {
-                break;
-            }
-            let (low, along) = self.along(d);
-            for i in 0..WIDE {
-                let facing = if behind[i] != 0 { -along[i] } else { along[i] };
-                let lean = shape.deepest * f32s::max(facing, 0.0);
-                out[i] &= 1 - u32::from(low[i] - lean > d[3]);
-            }
-        }
-        out.map(|x| x != 0)
-    }
+/// Some of a block's triangles, in registers.
+struct Triangles<L> {
+    corners: [[L; 3]; 3],
+    normal: [L; 3],
+}
 
-    /// How far the nearest of the triangles is beyond the sieve, whichever side it shows.
-    fn beyond(&self, deepest: f32, directions: &[Direction], two_sided: bool) -> f32 {
-        let mut most = [0.0_f32; WIDE];
-        for d in directions {
-            let (low, along) = self.along(d);
-            for i in 0..WIDE {
-                let facing = if two_sided { along[i].abs() } else { along[i] };
-                let lean = deepest * f32s::max(facing, 0.0);
-                most[i] = f32s::max(low[i] - lean - d[3], most[i]);
-            }
-        }
-        most.into_iter().fold(f32::INFINITY, f32s::min)
-    }
-
-    /// 1 where the centre is behind.
+impl<L: Lanes> Triangles<L> {
     #[inline(always)]
-    fn behind(&self, center: Vec3) -> [u32; WIDE] {
-        let ([x, y, z], [nx, ny, nz]) = (&self.corners[0], &self.normal);
-        core::array::from_fn(|i| {
-            let h = nx[i] * (center.x - x[i]) + ny[i] * (center.y - y[i]) + nz[i] * (center.z - z[i]);
-            u32::from(h < 0.0)
-        })
+    fn load(block: &Block, at: usize) -> Self {
+        let point = |p: &[Lane; 3]| {
+            three(
+                #[inline(always)]
+                |axis| L::load(&p[axis][at..]),
+            )
+        };
+        let [a, b, c] = &block.corners;
+        Self { corners: [point(a), point(b), point(c)], normal: point(&block.normal) }
+    }
+
+    /// Least and most of the corners along an axis.
+    #[inline(always)]
+    fn span(&self, axis: usize) -> (L, L) {
+        let [a, b, c] = [self.corners[0][axis], self.corners[1][axis], self.corners[2][axis]];
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
+    /// Where the centre is behind.
+    #[inline(always)]
+    fn behind(&self, center: Vec3) -> L::Mask {
+        let ([x, y, z], [nx, ny, nz]) = (self.corners[0], self.normal);
+        let [cx, cy, cz] = [center.x, center.y, center.z].map(L::splat);
+        (nx * (cx - x) + ny * (cy - y) + nz * (cz - z)).lt(L::zero())
     }
 
     /// The lowest corner, and the normal, along a direction.
     #[inline(always)]
-    fn along(&self, &[x, y, z, _]: &Direction) -> ([f32; WIDE], [f32; WIDE]) {
-        let h = |p: &[[f32; WIDE]; 3]| -> [f32; WIDE] {
-            let mut out = [0.0; WIDE];
-            for i in 0..WIDE {
-                out[i] = x * p[0][i] + y * p[1][i] + z * p[2][i];
-            }
-            out
-        };
+    fn along(&self, &[x, y, z, _]: &Direction) -> (L, L) {
+        let (x, y, z) = (L::splat(x), L::splat(y), L::splat(z));
+        let h = |p: &[L; 3]| x * p[0] + y * p[1] + z * p[2];
         let [a, b, c] = [h(&self.corners[0]), h(&self.corners[1]), h(&self.corners[2])];
-        let mut low = [0.0; WIDE];
-        for i in 0..WIDE {
-            low[i] = f32s::min(f32s::min(a[i], b[i]), c[i]);
+        (a.min(b).min(c), h(&self.normal))
+    }
+}
+
+/// Triangles of which `Aabb::overlaps`, `Surface::facing` and `Sieve::passes` say yes.
+struct Pick<'a> {
+    blocks: &'a [Block],
+    indices: &'a [u32],
+    shape: &'a Asker<'a>,
+    directions: &'a Directions,
+    two_sided: bool,
+    out: &'a mut Vec<u32>,
+}
+
+impl Kernel for Pick<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { blocks, indices, shape, directions, two_sided, out } = self;
+        for (block, indices) in blocks.iter().zip(indices.chunks(LANES_MAX)) {
+            for at in (0..indices.len()).step_by(L::WIDTH) {
+                let mut left = picked(&Triangles::<L>::load(block, at), shape, directions.all(), two_sided);
+                while left != 0 {
+                    let i = at + left.trailing_zeros() as usize;
+                    // Those that fill up the last block have no index.
+                    out.extend(indices.get(i));
+                    left &= left - 1;
+                }
+            }
         }
-        (low, h(&self.normal))
+    }
+}
+
+/// One bit for each.
+#[inline(always)]
+fn picked<L: Lanes>(t: &Triangles<L>, shape: &Asker, directions: &[Direction], two_sided: bool) -> u32 {
+    let behind = t.behind(shape.center);
+    let mut out = if two_sided { behind | !behind } else { !behind };
+    for axis in 0..3 {
+        let (least, most) = t.span(axis);
+        out = out & least.le(L::splat(shape.bounds.max[axis]));
+        out = out & L::splat(shape.bounds.min[axis]).le(most);
+    }
+    let deepest = L::splat(shape.deepest);
+    for d in directions {
+        if !out.any() {
+            break;
+        }
+        let (low, along) = t.along(d);
+        let facing = L::select(behind, -along, along);
+        let lean = deepest * facing.max(L::zero());
+        out = out & !(low - lean).gt(L::splat(d[3]));
+    }
+    out.bits()
+}
+
+/// How far the nearest of the triangles is beyond the sieve, whichever side it shows.
+struct Beyond<'a> {
+    blocks: &'a [Block],
+    deepest: f32,
+    directions: &'a Directions,
+    two_sided: bool,
+}
+
+impl Kernel for Beyond<'_> {
+    type Output = f32;
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> f32 {
+        let mut nearest = L::splat(f32::INFINITY);
+        for block in self.blocks {
+            for at in (0..LANES_MAX).step_by(L::WIDTH) {
+                let t = Triangles::<L>::load(block, at);
+                let mut most = L::zero();
+                for d in self.directions.all() {
+                    let (low, along) = t.along(d);
+                    let facing = if self.two_sided { along.abs() } else { along };
+                    let lean = L::splat(self.deepest) * facing.max(L::zero());
+                    most = (low - lean - L::splat(d[3])).max(most);
+                }
+                nearest = nearest.min(most);
+            }
+        }
+        let mut lanes: Lane = [f32::INFINITY; LANES_MAX];
+        nearest.store(&mut lanes);
+        lanes.into_iter().fold(f32::INFINITY, f32s::min)
     }
 }
 

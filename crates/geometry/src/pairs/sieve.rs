@@ -7,7 +7,7 @@ use crate::convex::core::Core;
 use jounce_math::{Pose, Vec3, scalar::f32s};
 
 /// Directions abreast.
-pub(super) const WIDE: usize = 4;
+const WIDE: usize = 4;
 /// Most directions: of a hull with more faces only so many are asked.
 const DIRECTIONS_MAX: usize = 16;
 /// Directions that a sweep remembers.
