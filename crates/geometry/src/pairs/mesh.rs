@@ -132,7 +132,7 @@ fn triangle(
     if matches!(b.core, Core::Point) {
         return sphere(surface, t, b.radius, pose.p, margin);
     }
-    if surface.is_gentle(t) {
+    if surface.is_gentle(t) || is_within(t, low, -over - b.radius) {
         return face_only(t, b, pose, margin, scratch);
     }
     let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
@@ -160,6 +160,20 @@ fn triangle(
         Some(f) if (!allowed && up > 0.7) || level(&f) => Some(f),
         _ => allowed.then_some(m),
     }
+}
+
+/// Is B's core, `depth` deep at `low`, parted from the triangle soonest along its normal? It is where `low` is over the inside, no nearer
+/// to an edge, r, than it is deep, d: along n cos θ + t sin θ the gap is −d cos θ − r sin θ at most, for θ up to 90° no more than −d. Beyond that it
+/// is a push through the sheet, and that is never taken.
+fn is_within(t: &Facing, low: Vec3, depth: f32) -> bool {
+    let depth = f32s::max(depth, 0.0);
+    (0..3).all(|k| {
+        let (p, q) = (t.corners[k], t.corners[(k + 1) % 3]);
+        // As long as the edge.
+        let inwards = t.normal.cross(q - p);
+        let r = inwards.dot(low - p);
+        r >= 0.0 && r * r >= depth * depth * inwards.length_squared()
+    })
 }
 
 /// What B shows to the face, clipped to the triangle.
