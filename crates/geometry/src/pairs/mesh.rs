@@ -135,10 +135,13 @@ fn triangle(
     if surface.is_gentle(t) || is_within(t, low, -over - b.radius) {
         return face_only(t, b, pose, margin, scratch);
     }
-    let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
+    // Cores that the face parts are apart: GJK is asked at once.
+    let kind = if over + b.radius > 0.0 { 0 } else { general::KIND_FACE_A };
+    let mut cache = PairCache { axis: n, kind, ..PairCache::default() };
     let t = surface.full(t);
     let a = Convex::triangle(t.poly);
     let mut axis = general::axis(&a, b, pose, margin, &mut cache)?;
+    cache.kind = general::KIND_FACE_A;
     if axis.normal.dot(n) < 0.0 {
         // The least push-out of a thin sheet may be through it; the body is in front, so it goes back there.
         axis = general_face_axis(&t.poly, low, b.radius + over);
