@@ -343,3 +343,54 @@ fn part_features(m: &mut Manifold) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::random::Random;
+    use super::*;
+    use crate::{Hull, Shape, TriMesh, TriMeshOptions};
+    use std::sync::Arc;
+
+    /// Where a shape is said to be within a triangle, no other direction parts the two sooner, or it leads through the sheet.
+    #[test]
+    fn what_is_within_a_triangle_is_parted_by_its_face() {
+        let mut r = Random(5);
+        let points: Vec<Vec3> = (0..20).map(|_| r.vec() * 0.6).collect();
+        let shapes = [
+            Shape::Box { half: Vec3::new(0.3, 0.2, 0.9) },
+            Shape::Capsule { half_height: 0.6, radius: 0.1 },
+            Shape::Hull(Arc::new(Hull::new(&points).expect("a hull"))),
+        ];
+        let (mut within, mut not, mut through) = (0, 0, 0);
+        for shape in &shapes {
+            let b = Convex::of(shape).expect("convex");
+            for _ in 0..3000 {
+                let corners = [0; 3].map(|_| r.vec() * 1.5);
+                let options = TriMeshOptions { double_sided: true, ..TriMeshOptions::default() };
+                let Ok(mesh) = TriMesh::new(&corners, &[[0, 1, 2]], options) else { continue };
+                let surface = Surface::Mesh(&mesh);
+                let pose = Pose::new(r.vec(), r.quat(3.0));
+                let Some(t) = surface.facing(0, pose.transform_point(b.center())) else { continue };
+                let n = t.normal;
+                let low = pose.transform_point(b.core.support(pose.q.inverse_rotate(-n)));
+                let gap = n.dot(low - t.corners[0]);
+                if !is_within(&t, low, -gap) {
+                    not += 1;
+                    continue;
+                }
+                let a = Convex::triangle(surface.full(&t).poly);
+                let mut cache = PairCache { axis: n, kind: general::KIND_FACE_A, ..PairCache::default() };
+                let best = general::axis(&a, &b, &pose, f32::MAX, &mut cache).expect("near");
+                if best.normal.dot(n) < 0.0 {
+                    through += 1;
+                    continue;
+                }
+                within += 1;
+                assert!((best.gap - gap).abs() < 1e-4, "{shape:?} {t:?} {pose:?}: {} for {gap}", best.gap);
+                let sideways = best.normal - n;
+                assert!(sideways.length() < 0.05 || gap.abs() < 0.01, "{shape:?} {t:?} {pose:?}: {best:?}");
+            }
+        }
+        assert!(within > 300 && not > 3000 && through > 2, "{within}, {not}, {through}");
+    }
+}

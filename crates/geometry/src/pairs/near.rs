@@ -288,6 +288,7 @@ impl Kernel for Beyond<'_> {
 mod tests {
     use super::super::random::Random;
     use super::*;
+    use crate::pairs::{Convex, Surface};
     use crate::{Hull, Manifold, ManifoldSet, PairCache, Shape, TriMeshOptions, collide, collide_again};
     use jounce_math::Pose;
     use std::sync::Arc;
@@ -361,5 +362,56 @@ mod tests {
             }
         }
         assert!(touched > 5000 && free > 1000 && kept > 5000, "{touched} touched, {free} free, {kept} kept");
+    }
+
+    /// What is picked, in every width, is what is said one by one; and nothing that is picked is nearer than it may be.
+    #[test]
+    fn lanes_pick_what_is_picked_one_by_one() {
+        let mut r = Random(11);
+        let (mut picked, mut free) = (0, 0);
+        for double_sided in [false, true] {
+            let ground = ground(&mut r, double_sided);
+            let Shape::Mesh(mesh) = &ground else { unreachable!() };
+            for shape in shapes(&mut r) {
+                let b = Convex::of(&shape).expect("convex");
+                for _ in 0..60 {
+                    let pose = Pose::new(r.vec() * 2.0, r.quat(3.0));
+                    let (margin, deepest) = (0.02, b.core.reach() + b.radius);
+                    let sieve = Sieve::new(&b.core, &pose, b.radius + margin, &mesh.aabb());
+                    let bounds = shape.aabb(&pose).expanded(margin);
+                    let center = pose.transform_point(b.center());
+                    let asker =
+                        Asker { sieve: &sieve, bounds: &bounds, center, rotation: pose.q, margin, deepest };
+                    let mut near = Near::default();
+                    let mut found = Vec::new();
+                    assert!(near.find(mesh, &asker, &mut found));
+                    let surface = Surface::Mesh(mesh);
+                    let passes = |&i: &u32| {
+                        let overlaps = Aabb::from_points(mesh.patches[i as usize].corners).overlaps(&bounds);
+                        let facing = surface.facing(i, center);
+                        overlaps && facing.is_some_and(|t| sieve.passes(&t.corners, t.normal, deepest))
+                    };
+                    let want: Vec<u32> = (0..mesh.patches.len() as u32).filter(passes).collect();
+                    let directions = &sieve.directions();
+                    let Near { blocks, indices, .. } = &near;
+                    let mut ways = Vec::new();
+                    for width in Width::ALL {
+                        let mut out = Vec::new();
+                        let (shape, two_sided) = (&asker, double_sided);
+                        let pick = Pick { blocks, indices, shape, directions, two_sided, out: &mut out };
+                        dispatch(width, pick);
+                        assert_eq!(out, want, "{shape:?}, {width}");
+                        ways.push(
+                            dispatch(width, Beyond { blocks, deepest, directions, two_sided }).to_bits(),
+                        );
+                    }
+                    assert_eq!(found, want);
+                    assert!(ways.iter().all(|w| *w == ways[0]), "{ways:?}");
+                    picked += want.len();
+                    free += usize::from(near.free > 0.0);
+                }
+            }
+        }
+        assert!(picked > 2000 && free > 20, "{picked} picked, {free} free");
     }
 }
