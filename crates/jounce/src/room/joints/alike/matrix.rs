@@ -375,6 +375,7 @@ fn backwards<L: Lanes, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::{Kind, Link};
+    use crate::room::contacts::rows::Lane;
     use super::*;
     use jounce_lanes::{Width, dispatch};
     use std::sync::Arc;
