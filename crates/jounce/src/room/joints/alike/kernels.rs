@@ -138,11 +138,14 @@ impl Kernel for Stiffen<'_> {
                 }
                 let (g, i) = (added.trace(), own.trace());
                 let over = g.gt(i);
-                any |= over.any();
-                // Only the part that explicit motion cannot stand.
-                let part = L::select(over, L::splat(1.0) - i / L::select(over, g, L::splat(1.0)), zero);
-                let raised = own.plus(added.scale(part)).inverse();
-                let tensor = Sym::select(over, raised, plain);
+                let mut tensor = plain;
+                if over.any() {
+                    any = true;
+                    // Only the part that explicit motion cannot stand.
+                    let part = L::select(over, L::splat(1.0) - i / L::select(over, g, L::splat(1.0)), zero);
+                    let raised = own.plus(added.scale(part)).inverse();
+                    tensor = Sym::select(over, raised, plain);
+                }
                 tensor.store(&mut b.tensor, at);
                 tensor.store(&mut b.raised, at);
                 L::select(over, L::splat(1.0), zero).store(&mut b.stiff[at..]);
@@ -679,19 +682,15 @@ fn inv_masses<L: Lanes>(bodies: &[Bodies], link: &Link, at: usize) -> [L; 2] {
     )
 }
 
+/// The trial begins where the bodies are; ends that pushed and no longer do take back what they gave.
 #[inline(always)]
-fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, lets_in: bool, last: bool) {
-    let (zero, one, h) = (L::zero(), L::splat(1.0), L::splat(k.h));
-    let live = L::load(&band.live[at..]).gt(zero);
-    if !live.any() {
-        return;
-    }
-    let Band { pattern, bodies, joints, used, .. } = band;
+fn start<L: Lanes>(band: &mut Band, at: usize) {
+    let zero = L::zero();
+    let Band { pattern, bodies, joints, .. } = band;
     for b in bodies.iter_mut() {
         Wide3::<L>::load(&b.v, at).store(&mut b.try_v, at);
         Wide3::<L>::load(&b.w, at).store(&mut b.try_w, at);
     }
-    // Ends that pushed and no longer do take back what they gave.
     for (link, j) in pattern.joints.iter().zip(joints.iter()) {
         for i in link.kind.first_end()..link.kind.rows() {
             let row = &j.rows[i];
@@ -705,6 +704,45 @@ fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, let
             }
         }
     }
+}
+
+/// The impulses in `x`.
+#[inline(always)]
+fn give_all<L: Lanes>(band: &mut Band, at: usize) {
+    let Band { pattern, bodies, joints, used, .. } = band;
+    for ((link, j), used) in pattern.joints.iter().zip(joints.iter()).zip(&*used) {
+        let m = inv_masses(bodies, link, at);
+        let mut speeds = Speeds::<L>::tried(&bodies[link.a as usize], &bodies[link.b as usize], at);
+        for (i, row) in j.rows.iter().enumerate().take(usize::from(used[at % LANES])) {
+            speeds.give(row, i, at, m, L::load(&row.x[at..]));
+        }
+        speeds.try_on(bodies, link, at);
+    }
+}
+
+/// Nearly as far as a body may be taken, so that [`bearable`] is to be asked exactly.
+const NEARLY: f32 = 0.99;
+
+/// Does the trial of these lanes take some body that far from where the pass began, or to where nothing is finite?
+#[inline(always)]
+fn far<L: Lanes>(bodies: &[Bodies], at: usize, live: L::Mask, k: &Constants) -> bool {
+    let [speed, spin] = [k.speed_max, k.spin_max].map(|most| L::splat(NEARLY * NEARLY * most * most));
+    bodies.iter().any(|b| {
+        let taken = |new: &LaneVec, old: &LaneVec| Wide3::<L>::load(new, at).sub(Wide3::load(old, at));
+        let (dv, dw) = (taken(&b.try_v, &b.v), taken(&b.try_w, &b.w));
+        (live & !(dv.dot(dv).lt(speed) & dw.dot(dw).lt(spin))).any()
+    })
+}
+
+#[inline(always)]
+fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, lets_in: bool, last: bool) {
+    let (zero, one, h) = (L::zero(), L::splat(1.0), L::splat(k.h));
+    let live = L::load(&band.live[at..]).gt(zero);
+    if !live.any() {
+        return;
+    }
+    start::<L>(band, at);
+    let Band { pattern, bodies, joints, used, .. } = band;
     // Rows that take part in none of these lanes have nothing to solve.
     for ((link, j), used) in pattern.joints.iter().zip(joints.iter_mut()).zip(&*used) {
         let speeds = Speeds::<L>::tried(&bodies[link.a as usize], &bodies[link.b as usize], at);
@@ -714,19 +752,18 @@ fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, let
         }
     }
     super::matrix::solve::<L>(band, at);
-    let Band { pattern, bodies, joints, used, .. } = band;
-    // How much of it the bodies can bear.
-    let part = bearable::<L>(pattern, bodies, joints, used, at, k);
-    for ((link, j), used) in pattern.joints.iter().zip(joints.iter_mut()).zip(&*used) {
-        let m = inv_masses(bodies, link, at);
-        let mut speeds = Speeds::<L>::tried(&bodies[link.a as usize], &bodies[link.b as usize], at);
-        for (i, row) in j.rows.iter_mut().enumerate().take(usize::from(used[at % LANES])) {
-            let x = L::load(&row.x[at..]) * part;
-            x.store(&mut row.x[at..]);
-            speeds.give(row, i, at, m, x);
+    give_all::<L>(band, at);
+    if far::<L>(&band.bodies, at, live, k) {
+        // Once more: how much of it the bodies can bear.
+        start::<L>(band, at);
+        let Band { pattern, bodies, joints, used, .. } = &mut *band;
+        let part = bearable::<L>(pattern, bodies, joints, used, at, k);
+        for row in joints.iter_mut().flat_map(|j| &mut j.rows) {
+            (L::load(&row.x[at..]) * part).store(&mut row.x[at..]);
         }
-        speeds.try_on(bodies, link, at);
+        give_all::<L>(band, at);
     }
+    let Band { pattern, bodies, joints, .. } = band;
     // Who pulls is let go; where nobody does, who is passed is let in.
     let mut held = zero;
     for (link, j) in pattern.joints.iter().zip(joints.iter_mut()) {
