@@ -375,8 +375,8 @@ fn backwards<L: Lanes, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::{Kind, Link};
-    use crate::room::contacts::rows::Lane;
     use super::*;
+    use crate::room::contacts::rows::Lane;
     use jounce_lanes::{Width, dispatch};
     use std::sync::Arc;
 
