@@ -759,7 +759,9 @@ fn try_rows<L: Lanes>(band: &mut Band, at: usize, pass: Pass, k: &Constants, let
         let Band { pattern, bodies, joints, used, .. } = &mut *band;
         let part = bearable::<L>(pattern, bodies, joints, used, at, k);
         for row in joints.iter_mut().flat_map(|j| &mut j.rows) {
-            (L::load(&row.x[at..]) * part).store(&mut row.x[at..]);
+            let x = L::load(&row.x[at..]) * part;
+            // Nothing at all where something is not finite: no product of that with 0.
+            L::select(part.gt(zero), x, zero).store(&mut row.x[at..]);
         }
         give_all::<L>(band, at);
     }

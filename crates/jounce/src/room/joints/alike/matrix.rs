@@ -7,7 +7,7 @@
 //! Rows of ends come last in their joint. Where none of the lanes that are walked together is at one, its row is left out: most are.
 
 use super::{Band, JointLanes, Pattern, ROWS};
-use crate::room::contacts::rows::{LANES, LaneVec};
+use crate::room::contacts::rows::{LANES, Lane, LaneVec};
 use crate::room::joints::direct::Step;
 use crate::room::joints::lanes::inverse;
 use jounce_lanes::{Kernel, Lanes, Mask, three};
@@ -132,6 +132,13 @@ fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+/// The value where a row acts, else 0. Not their product: that has a sign, and whether a row is there or left out must not show in the
+/// sign of some other zero.
+#[inline(always)]
+fn only<L: Lanes>(acts: &Lane, value: L, at: usize) -> L {
+    L::select(L::load(&acts[at..]).gt(L::zero()), value, L::zero())
+}
+
 /// J M⁻¹ Jᵀ of the rows that are used.
 #[inline(always)]
 fn assemble<L: Lanes>(band: &mut Band, at: usize) {
@@ -147,7 +154,6 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
         let [a, b] = [link.a, link.b].map(|i| L::load(&bodies[i as usize].inv_mass[at..]));
         for c in 0..used {
             let (ia, ib) = (line::<L>(&j.rows[c].ia, at), line::<L>(&j.rows[c].ib, at));
-            let acts = L::load(&j.rows[c].acts[at..]);
             for r in c..used {
                 let row = &j.rows[r];
                 let (mut x, mut y) = (dot(line(&row.ja, at), ia), dot(line(&row.jb, at), ib));
@@ -156,12 +162,12 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
                 }
                 let mut value = x + y;
                 if r >= first_end {
-                    value = value * L::load(&row.acts[at..]);
+                    value = only(&row.acts, value, at);
                     if c >= first_end {
-                        value = value * acts;
+                        value = only(&j.rows[c].acts, value, at);
                     }
                     if r == c {
-                        value = value + (L::splat(1.0) - acts);
+                        value = value + (L::splat(1.0) - L::load(&row.acts[at..]));
                     }
                 }
                 blocks.put(s.diagonal + r * rows + c, value);
@@ -179,22 +185,18 @@ fn assemble<L: Lanes>(band: &mut Band, at: usize) {
         let used_i = used.rows(i);
         for c in 0..used.rows(k) {
             let row = &jk.rows[c];
-            let mut inv = line::<L>(if m.k_is_a { &row.ia } else { &row.ib }, at);
-            if c >= end_k {
-                let acts = L::load(&row.acts[at..]);
-                inv = inv.map(
-                    #[inline(always)]
-                    |x| x * acts,
-                );
-            }
+            let inv = line::<L>(if m.k_is_a { &row.ia } else { &row.ib }, at);
             for r in 0..used_i {
-                let row = &ji.rows[r];
-                let mut value = dot(line(if m.i_is_a { &row.ja } else { &row.jb }, at), inv);
+                let from = &ji.rows[r];
+                let mut value = dot(line(if m.i_is_a { &from.ja } else { &from.jb }, at), inv);
                 if r == c && r < 3 {
                     value = value + lin;
                 }
+                if c >= end_k {
+                    value = only(&row.acts, value, at);
+                }
                 if r >= end_i {
-                    value = value * L::load(&row.acts[at..]);
+                    value = only(&from.acts, value, at);
                 }
                 blocks.put(m.at as usize + r * columns + c, value);
             }
@@ -376,7 +378,6 @@ fn backwards<L: Lanes, const N: usize>(
 mod tests {
     use super::super::{Kind, Link};
     use super::*;
-    use crate::room::contacts::rows::Lane;
     use jounce_lanes::{Width, dispatch};
     use std::sync::Arc;
 
@@ -403,6 +404,10 @@ mod tests {
         fn next(&mut self) -> f32 {
             self.below(1 << 16) as f32 / (1 << 15) as f32 - 1.0
         }
+        /// The same, or one of −1, −0, 0 and 1.
+        fn value(&mut self, zeros: bool) -> f32 {
+            if zeros { [-1.0, -0.0, -0.0, 0.0, 0.0, 1.0][self.below(6)] } else { self.next() }
+        }
     }
 
     const KINDS: [Kind; 7] = [
@@ -422,8 +427,8 @@ mod tests {
         Band::new(&Arc::new(Pattern::new(&links, parents.len() + 1).expect("a tree")))
     }
 
-    /// Masses, inertias, axes.
-    fn numbers(band: &mut Band, r: &mut Random) {
+    /// Masses, inertias, axes; with zeros of both signs among them or not.
+    fn numbers(band: &mut Band, zeros: bool, r: &mut Random) {
         for l in 0..LANES {
             let mut spread = Vec::new();
             for b in &mut band.bodies {
@@ -433,7 +438,7 @@ mod tests {
             for (j, link) in band.joints.iter_mut().zip(&band.pattern.joints) {
                 for row in &mut j.rows {
                     for i in 0..3 {
-                        (row.ja.0[i][l], row.jb.0[i][l]) = (r.next(), r.next());
+                        (row.ja.0[i][l], row.jb.0[i][l]) = (r.value(zeros), r.value(zeros));
                         row.ia.0[i][l] = spread[usize::from(link.a)][i] * row.ja.0[i][l];
                         row.ib.0[i][l] = spread[usize::from(link.b)][i] * row.jb.0[i][l];
                     }
@@ -461,13 +466,13 @@ mod tests {
         sum
     }
 
-    /// Solves for random right sides, and checks A λ = r lane by lane. Gives what came out, bit for bit.
-    fn check(band: &mut Band, width: Width, r: &mut Random) -> Vec<u32> {
+    /// Solves for random right sides, and checks A λ = r lane by lane (not with zeros: those may be singular). Gives what came out, bit for bit.
+    fn check(band: &mut Band, width: Width, zeros: bool, r: &mut Random) -> Vec<u32> {
         dispatch(width, Factor(band));
         let right: Vec<[Lane; ROWS]> = band
             .joints
             .iter()
-            .map(|_| core::array::from_fn(|_| core::array::from_fn(|_| r.next())))
+            .map(|_| core::array::from_fn(|_| core::array::from_fn(|_| r.value(zeros))))
             .collect();
         let joints: Vec<_> = band.pattern.joints.clone();
         for ((j, link), right) in band.joints.iter_mut().zip(&joints).zip(&right) {
@@ -480,7 +485,7 @@ mod tests {
             }
         }
         dispatch(width, Solve(band));
-        for l in 0..LANES {
+        for l in if zeros { 0..0 } else { 0..LANES } {
             let rows: Vec<(usize, usize)> = (0..joints.len())
                 .flat_map(|j| (0..joints[j].kind.rows()).map(move |i| (j, i)))
                 .filter(|&(j, i)| i < joints[j].kind.first_end() || band.joints[j].rows[i].acts[l] > 0.0)
@@ -515,7 +520,8 @@ mod tests {
             };
             let mut band = tree(&parents, &mut r);
             filled += band.pattern.filled.len();
-            numbers(&mut band, &mut r);
+            let zeros = seed % 4 > 1;
+            numbers(&mut band, zeros, &mut r);
             let choose = |band: &mut Band, r: &mut Random, lanes: core::ops::Range<usize>| {
                 for row in band.joints.iter_mut().flat_map(|j| &mut j.rows) {
                     let share = [0, 1, 4][r.below(3)];
@@ -526,9 +532,9 @@ mod tests {
             let mut first: Option<[Vec<u32>; 2]> = None;
             for width in Width::ALL {
                 let (mut band, mut r) = (band.clone(), Random(seed + 1000));
-                let one = check(&mut band, width, &mut r);
+                let one = check(&mut band, width, zeros, &mut r);
                 choose(&mut band, &mut r, 3..6);
-                let both = [one, check(&mut band, width, &mut r)];
+                let both = [one, check(&mut band, width, zeros, &mut r)];
                 assert_eq!(&both, first.get_or_insert_with(|| both.clone()), "{width}, seed {seed}");
             }
         }
