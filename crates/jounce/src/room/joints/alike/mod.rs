@@ -149,8 +149,9 @@ pub(crate) struct Band {
     pub sets: Vec<u32>,
     pub bodies: Vec<Bodies>,
     pub joints: Vec<JointLanes>,
-    /// Blocks of the matrix (in the order of `matrix::Blocks`), and how many rows of a joint take part in lanes that are walked together, by the first of them.
+    /// Blocks of the matrix, in the order of `matrix::Blocks`.
     matrix: Vec<f32>,
+    /// By joint: rows that take part in some of the lanes that are walked together, at the first of these lanes.
     used: Vec<[u8; LANES]>,
     /// 1 in lanes that the pass has not finished.
     live: Lane,
