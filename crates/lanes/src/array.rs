@@ -2,7 +2,7 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Bits, Lanes, Mask, sealed};
+use crate::{Bits, Double, Lanes, Mask, sealed};
 
 /// `N` floats, treated one after another.
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +10,7 @@ pub struct Array<const N: usize>([f32; N]);
 
 /// `N` truth values.
 #[derive(Clone, Copy, Debug)]
-pub struct ArrayMask<const N: usize>([bool; N]);
+pub struct ArrayMask<const N: usize>(pub(crate) [bool; N]);
 
 /// `N` words.
 #[derive(Clone, Copy, Debug)]
@@ -131,6 +131,7 @@ impl<const N: usize> Bits for ArrayBits<N> {
 impl<const N: usize> Lanes for Array<N> {
     type Mask = ArrayMask<N>;
     type Bits = ArrayBits<N>;
+    type Doubles = Double;
     const WIDTH: usize = N;
 
     #[inline(always)]

@@ -35,6 +35,7 @@
 //! not depend on the machine.
 
 mod array;
+mod doubles;
 #[cfg(target_arch = "aarch64")]
 mod neon;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
@@ -46,6 +47,7 @@ mod x86;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
 pub use array::{Array, ArrayBits, ArrayMask};
+pub use doubles::{DOUBLES_MAX, Double, Doubles};
 pub use width::Width;
 
 /// The widest width; every width divides it.
@@ -104,6 +106,8 @@ pub trait Lanes:
     type Mask: Mask;
     /// As many `u32`: for hashes.
     type Bits: Bits<Floats = Self>;
+    /// `f64`s in registers of the same size: half as many.
+    type Doubles: Doubles;
     /// Number of lanes: 1, 4, 8 or 16.
     const WIDTH: usize;
 

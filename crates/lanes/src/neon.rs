@@ -5,7 +5,7 @@
 use std::arch::aarch64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Bits, Lanes, Mask, sealed};
+use crate::{Bits, Doubles, Lanes, Mask, sealed};
 
 #[derive(Clone, Copy)]
 pub(crate) struct F32x4(float32x4_t);
@@ -15,6 +15,13 @@ pub(crate) struct Mask4(uint32x4_t);
 #[derive(Clone, Copy)]
 pub(crate) struct U32x4(uint32x4_t);
 
+#[derive(Clone, Copy)]
+pub(crate) struct F64x2(float64x2_t);
+#[derive(Clone, Copy)]
+pub(crate) struct MaskD2(uint64x2_t);
+
+impl sealed::Sealed for F64x2 {}
+impl sealed::Sealed for MaskD2 {}
 impl sealed::Sealed for F32x4 {}
 impl sealed::Sealed for U32x4 {}
 impl sealed::Sealed for Mask4 {}
@@ -32,6 +39,8 @@ macro_rules! operators {
     )*};
 }
 operators!(F32x4 Add add vaddq_f32, F32x4 Sub sub vsubq_f32, F32x4 Mul mul vmulq_f32, F32x4 Div div vdivq_f32,
+    F64x2 Add add vaddq_f64, F64x2 Sub sub vsubq_f64, F64x2 Mul mul vmulq_f64, F64x2 Div div vdivq_f64,
+    MaskD2 BitAnd bitand vandq_u64, MaskD2 BitOr bitor vorrq_u64,
     Mask4 BitAnd bitand vandq_u32, Mask4 BitOr bitor vorrq_u32,
     U32x4 Add add vaddq_u32, U32x4 Mul mul vmulq_u32, U32x4 BitXor bitxor veorq_u32);
 
@@ -99,6 +108,7 @@ impl Bits for U32x4 {
 impl Lanes for F32x4 {
     type Mask = Mask4;
     type Bits = U32x4;
+    type Doubles = F64x2;
 
     #[inline(always)]
     fn to_bits(self) -> U32x4 {
@@ -163,5 +173,89 @@ impl Lanes for F32x4 {
     fn select(mask: Mask4, yes: Self, no: Self) -> Self {
         // SAFETY: NEON is part of the target's baseline.
         Self(unsafe { vbslq_f32(mask.0, yes.0, no.0) })
+    }
+}
+
+impl Neg for F64x2 {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vnegq_f64(self.0) })
+    }
+}
+
+impl Not for MaskD2 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { veorq_u64(self.0, vdupq_n_u64(u64::MAX)) })
+    }
+}
+
+impl Mask for MaskD2 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        // SAFETY: NEON is part of the target's baseline.
+        let (a, b) = unsafe { (vgetq_lane_u64::<0>(self.0), vgetq_lane_u64::<1>(self.0)) };
+        (a & 1 | b & 2) as u32
+    }
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.bits() == 3
+    }
+}
+
+impl Doubles for F64x2 {
+    type Mask = MaskD2;
+    const WIDTH: usize = 2;
+
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vdupq_n_f64(x) })
+    }
+    #[inline(always)]
+    fn load(from: &[f64]) -> Self {
+        let from = &from[..2];
+        // SAFETY: the slice is as long as the load.
+        Self(unsafe { vld1q_f64(from.as_ptr()) })
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [f64]) {
+        let to = &mut to[..2];
+        // SAFETY: the slice is as long as the store.
+        unsafe { vst1q_f64(to.as_mut_ptr(), self.0) }
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vsqrtq_f64(self.0) })
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vabsq_f64(self.0) })
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> MaskD2 {
+        // SAFETY: NEON is part of the target's baseline.
+        MaskD2(unsafe { vcltq_f64(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> MaskD2 {
+        // SAFETY: NEON is part of the target's baseline.
+        MaskD2(unsafe { vcleq_f64(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn eq(self, other: Self) -> MaskD2 {
+        // SAFETY: NEON is part of the target's baseline.
+        MaskD2(unsafe { vceqq_f64(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn select(mask: MaskD2, yes: Self, no: Self) -> Self {
+        // SAFETY: NEON is part of the target's baseline.
+        Self(unsafe { vbslq_f64(mask.0, yes.0, no.0) })
     }
 }

@@ -9,7 +9,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
-use crate::{Bits, Kernel, Lanes, Mask, sealed};
+use crate::{Bits, Doubles, Kernel, Lanes, Mask, sealed};
 
 pub(crate) fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2")
@@ -46,6 +46,18 @@ pub(crate) struct F32x16(__m512);
 #[derive(Clone, Copy)]
 pub(crate) struct Mask16(__mmask16);
 #[derive(Clone, Copy)]
+pub(crate) struct F64x2(__m128d);
+#[derive(Clone, Copy)]
+pub(crate) struct MaskD2(__m128d);
+#[derive(Clone, Copy)]
+pub(crate) struct F64x4(__m256d);
+#[derive(Clone, Copy)]
+pub(crate) struct MaskD4(__m256d);
+#[derive(Clone, Copy)]
+pub(crate) struct F64x8(__m512d);
+#[derive(Clone, Copy)]
+pub(crate) struct MaskD8(__mmask8);
+#[derive(Clone, Copy)]
 pub(crate) struct U32x4(__m128i);
 #[derive(Clone, Copy)]
 pub(crate) struct U32x8(__m256i);
@@ -78,6 +90,22 @@ operators!(F32x8, _mm256_set1_ps, _mm256_xor_ps,
     Add add _mm256_add_ps, Sub sub _mm256_sub_ps, Mul mul _mm256_mul_ps, Div div _mm256_div_ps);
 operators!(F32x16, _mm512_set1_ps, xor512,
     Add add _mm512_add_ps, Sub sub _mm512_sub_ps, Mul mul _mm512_mul_ps, Div div _mm512_div_ps);
+
+operators!(F64x2, _mm_set1_pd, _mm_xor_pd, Add add _mm_add_pd, Sub sub _mm_sub_pd, Mul mul _mm_mul_pd, Div div _mm_div_pd);
+operators!(F64x4, _mm256_set1_pd, _mm256_xor_pd,
+    Add add _mm256_add_pd, Sub sub _mm256_sub_pd, Mul mul _mm256_mul_pd, Div div _mm256_div_pd);
+operators!(F64x8, _mm512_set1_pd, xor512d,
+    Add add _mm512_add_pd, Sub sub _mm512_sub_pd, Mul mul _mm512_mul_pd, Div div _mm512_div_pd);
+
+/// The float form of this instruction needs AVX-512DQ.
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[inline(always)]
+unsafe fn xor512d(a: __m512d, b: __m512d) -> __m512d {
+    // SAFETY: promised by the caller.
+    unsafe { _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(a), _mm512_castpd_si512(b))) }
+}
 
 /// The float form of this instruction needs AVX-512DQ.
 ///
@@ -148,38 +176,55 @@ vector_mask!(
     _mm256_movemask_ps
 );
 
-impl sealed::Sealed for Mask16 {}
-impl BitAnd for Mask16 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitand(self, other: Self) -> Self {
-        Self(self.0 & other.0)
-    }
+vector_mask!(MaskD2, 2, _mm_and_pd, _mm_or_pd, _mm_xor_pd, _mm_castsi128_pd(_mm_set1_epi32(-1)), _mm_movemask_pd);
+vector_mask!(
+    MaskD4,
+    4,
+    _mm256_and_pd,
+    _mm256_or_pd,
+    _mm256_xor_pd,
+    _mm256_castsi256_pd(_mm256_set1_epi32(-1)),
+    _mm256_movemask_pd
+);
+
+macro_rules! word_mask {
+    ($type:ident, $word:ident) => {
+        impl sealed::Sealed for $type {}
+        impl BitAnd for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn bitand(self, other: Self) -> Self {
+                Self(self.0 & other.0)
+            }
+        }
+        impl BitOr for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn bitor(self, other: Self) -> Self {
+                Self(self.0 | other.0)
+            }
+        }
+        impl Not for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn not(self) -> Self {
+                Self(!self.0)
+            }
+        }
+        impl Mask for $type {
+            #[inline(always)]
+            fn bits(self) -> u32 {
+                u32::from(self.0)
+            }
+            #[inline(always)]
+            fn all(self) -> bool {
+                self.0 == $word::MAX
+            }
+        }
+    };
 }
-impl BitOr for Mask16 {
-    type Output = Self;
-    #[inline(always)]
-    fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-}
-impl Not for Mask16 {
-    type Output = Self;
-    #[inline(always)]
-    fn not(self) -> Self {
-        Self(!self.0)
-    }
-}
-impl Mask for Mask16 {
-    #[inline(always)]
-    fn bits(self) -> u32 {
-        u32::from(self.0)
-    }
-    #[inline(always)]
-    fn all(self) -> bool {
-        self.0 == u16::MAX
-    }
-}
+word_mask!(Mask16, u16);
+word_mask!(MaskD8, u8);
 
 macro_rules! bits {
     ($type:ident, $floats:ident, $set1:ident, $shl:expr, $shr:expr, $cast:ident, $convert:ident, $mul:ident,
@@ -337,6 +382,7 @@ macro_rules! common {
 impl Lanes for F32x4 {
     type Mask = Mask4;
     type Bits = U32x4;
+    type Doubles = F64x2;
 
     #[inline(always)]
     fn to_bits(self) -> U32x4 {
@@ -402,6 +448,7 @@ impl Lanes for F32x4 {
 impl Lanes for F32x8 {
     type Mask = Mask8;
     type Bits = U32x8;
+    type Doubles = F64x4;
 
     #[inline(always)]
     fn to_bits(self) -> U32x8 {
@@ -478,6 +525,7 @@ impl Lanes for F32x8 {
 impl Lanes for F32x16 {
     type Mask = Mask16;
     type Bits = U32x16;
+    type Doubles = F64x8;
 
     #[inline(always)]
     fn to_bits(self) -> U32x16 {
@@ -637,5 +685,189 @@ unsafe fn transpose8(rows: [F32x8; 8]) -> [F32x8; 8] {
             out[c + 4] = F32x8(_mm256_permute2f128_ps::<0x31>(near[c], far[c]));
         }
         out
+    }
+}
+
+/// What is spelt alike for the doubles of the three sets.
+macro_rules! common_doubles {
+    ($mask:ident, $width:literal, $set1:ident, $load:ident, $store:ident, $sqrt:ident, $abs:expr, $lt:expr, $le:expr, $eq:expr,
+        $select:expr) => {
+        type Mask = $mask;
+        const WIDTH: usize = $width;
+
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $set1(x) })
+        }
+        #[inline(always)]
+        fn load(from: &[f64]) -> Self {
+            let from = &from[..$width];
+            // SAFETY: the machine has the instructions (see the header), and the slice is as long as the load.
+            Self(unsafe { $load(from.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, to: &mut [f64]) {
+            let to = &mut to[..$width];
+            // SAFETY: the machine has the instructions (see the header), and the slice is as long as the store.
+            unsafe { $store(to.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $sqrt(self.0) })
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $abs(self.0) })
+        }
+        #[inline(always)]
+        fn lt(self, other: Self) -> $mask {
+            // SAFETY: the machine has the instructions (see the header).
+            $mask(unsafe { $lt(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn le(self, other: Self) -> $mask {
+            // SAFETY: the machine has the instructions (see the header).
+            $mask(unsafe { $le(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn eq(self, other: Self) -> $mask {
+            // SAFETY: the machine has the instructions (see the header).
+            $mask(unsafe { $eq(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn select(mask: $mask, yes: Self, no: Self) -> Self {
+            // SAFETY: the machine has the instructions (see the header).
+            Self(unsafe { $select(mask.0, yes.0, no.0) })
+        }
+    };
+}
+
+impl Doubles for F64x2 {
+    common_doubles!(
+        MaskD2,
+        2,
+        _mm_set1_pd,
+        _mm_loadu_pd,
+        _mm_storeu_pd,
+        _mm_sqrt_pd,
+        |x| _mm_andnot_pd(_mm_set1_pd(-0.0), x),
+        _mm_cmplt_pd,
+        _mm_cmple_pd,
+        _mm_cmpeq_pd,
+        |mask, yes, no| _mm_or_pd(_mm_and_pd(mask, yes), _mm_andnot_pd(mask, no))
+    );
+}
+
+impl Doubles for F64x4 {
+    common_doubles!(
+        MaskD4,
+        4,
+        _mm256_set1_pd,
+        _mm256_loadu_pd,
+        _mm256_storeu_pd,
+        _mm256_sqrt_pd,
+        |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
+        _mm256_cmp_pd::<_CMP_LT_OQ>,
+        _mm256_cmp_pd::<_CMP_LE_OQ>,
+        _mm256_cmp_pd::<_CMP_EQ_OQ>,
+        |mask, yes, no| _mm256_blendv_pd(no, yes, mask)
+    );
+    #[inline(always)]
+    fn gather4(row: impl Fn(usize) -> [f64; 4]) -> [Self; 4] {
+        let mut rows = [Self::zero(); 4];
+        for i in 0..4 {
+            rows[i] = Self::load(&row(i));
+        }
+        // SAFETY: the machine has the instructions (see the header).
+        unsafe { transpose4d(rows) }
+    }
+    #[inline(always)]
+    fn scatter4(columns: [Self; 4], mut put: impl FnMut(usize, [f64; 4])) {
+        // SAFETY: the machine has the instructions (see the header).
+        let rows = unsafe { transpose4d(columns) };
+        for lane in 0..4 {
+            let mut row = [0.0; 4];
+            rows[lane].store(&mut row);
+            put(lane, row);
+        }
+    }
+}
+
+impl Doubles for F64x8 {
+    common_doubles!(
+        MaskD8,
+        8,
+        _mm512_set1_pd,
+        _mm512_loadu_pd,
+        _mm512_storeu_pd,
+        _mm512_sqrt_pd,
+        _mm512_abs_pd,
+        _mm512_cmp_pd_mask::<_CMP_LT_OQ>,
+        _mm512_cmp_pd_mask::<_CMP_LE_OQ>,
+        _mm512_cmp_pd_mask::<_CMP_EQ_OQ>,
+        |mask, yes, no| _mm512_mask_blend_pd(mask, no, yes)
+    );
+    /// Two transpositions of four rows, side by side.
+    #[inline(always)]
+    fn gather4(row: impl Fn(usize) -> [f64; 4]) -> [Self; 4] {
+        let low = F64x4::gather4(
+            #[inline(always)]
+            |lane| row(lane),
+        );
+        let high = F64x4::gather4(
+            #[inline(always)]
+            |lane| row(lane + 4),
+        );
+        let mut out = [Self::zero(); 4];
+        for c in 0..4 {
+            // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
+            out[c] =
+                Self(unsafe { _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[c].0), high[c].0) });
+        }
+        out
+    }
+    #[inline(always)]
+    fn scatter4(columns: [Self; 4], mut put: impl FnMut(usize, [f64; 4])) {
+        let (mut low, mut high) = ([F64x4::zero(); 4], [F64x4::zero(); 4]);
+        for c in 0..4 {
+            // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
+            unsafe {
+                low[c] = F64x4(_mm512_castpd512_pd256(columns[c].0));
+                high[c] = F64x4(_mm512_extractf64x4_pd::<1>(columns[c].0));
+            }
+        }
+        F64x4::scatter4(
+            low,
+            #[inline(always)]
+            |lane, row| put(lane, row),
+        );
+        F64x4::scatter4(
+            high,
+            #[inline(always)]
+            |lane, row| put(lane + 4, row),
+        );
+    }
+}
+
+/// Pairs of rows are interleaved, then 128-bit halves are exchanged.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn transpose4d(rows: [F64x4; 4]) -> [F64x4; 4] {
+    let [a, b, c, d] = rows;
+    // SAFETY: promised by the caller.
+    unsafe {
+        let (ab, ab_) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+        let (cd, cd_) = (_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+        [
+            F64x4(_mm256_permute2f128_pd::<0x20>(ab, cd)),
+            F64x4(_mm256_permute2f128_pd::<0x20>(ab_, cd_)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(ab, cd)),
+            F64x4(_mm256_permute2f128_pd::<0x31>(ab_, cd_)),
+        ]
     }
 }

@@ -62,6 +62,8 @@ pub(crate) struct Scratch {
     /// By awake row: what the substeps ask of it.
     pub drives: Vec<crate::room::rigid::pass::Drive>,
     pub ways: Vec<crate::room::rigid::pass::Way>,
+    /// What torque-free turns ask of each, row by row.
+    pub tops: Vec<crate::room::rigid::free::Top>,
     /// Contact rows that are deep, and how many each awake body has.
     pub deep: Vec<u32>,
     pub crowd: Vec<u32>,

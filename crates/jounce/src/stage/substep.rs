@@ -6,6 +6,7 @@ use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
+use crate::room::rigid::free::{self, Top, Turns};
 use crate::room::rigid::pass::{Drive, Go, Pushed, Todo, Way};
 use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position};
 use crate::room::rigid::state::BodyState;
@@ -14,7 +15,7 @@ use jounce_lanes::{Width, dispatch, prefetch};
 use jounce_math::scalar::f32s;
 use jounce_tasks::{ColorSets, Owning};
 
-/// Bodies per unit.
+/// Bodies per unit; rows in one fit a byte.
 const BODIES: usize = 128;
 /// Contacts per unit.
 const CONTACTS: usize = 128;
@@ -94,13 +95,13 @@ impl Bodies {
         }
         let sub = Substep { h: step.constants.h, limits: speed_limits(world, step) };
         let (bodies, frames, width) = (&world.bodies, &world.frames, world.width);
-        let (drives, ways) = (&world.scratch.drives, &world.scratch.ways);
+        let (drives, ways, tops) = (&world.scratch.drives, &world.scratch.ways, &world.scratch.tops);
         let a = &mut world.awake;
         let steps = &a.step;
         let columns = (&mut a.state[..], &mut world.scratch.pushed[..], &mut a.turning[..]);
         world.tasks.for_each_chunk3(columns, BODIES, |first, states, pushed, turning| {
             let rows = first..first + states.len();
-            let (drives, ways) = (&drives[rows.clone()], &ways[rows]);
+            let (drives, ways, tops) = (&drives[rows.clone()], &ways[rows.clone()], &tops[rows]);
             let (h, speed_most) = (sub.h, sub.limits.speed);
             todo.change(states, pushed, drives);
             if todo.go {
@@ -109,6 +110,17 @@ impl Bodies {
                     if way.goes_alone(s, h) {
                         integrate_position(s, &steps[first + i], &mut turning[i], bodies, frames, &sub);
                     }
+                }
+                let (mut turn, mut spin_most, mut n) = ([0; BODIES], [0.0; BODIES], 0);
+                for (i, (s, way)) in states.iter().zip(ways).enumerate().filter(|(_, (s, w))| w.turns(s)) {
+                    let slot = steps[first + i].body;
+                    free::remember(s, &mut turning[i], || (&bodies[slot].mass, frames[slot as usize].rotation));
+                    (turn[n], spin_most[n]) = (i as u8, way.spin_most);
+                    n += 1;
+                }
+                if n > 0 {
+                    let (rows, spin_most) = (&turn[..n], &spin_most[..n]);
+                    dispatch(width, Turns { states, turning, tops, rows, spin_most, h });
                 }
             }
             todo.keep(states, pushed);
@@ -129,16 +141,30 @@ impl Bodies {
 /// What the substeps ask of every body.
 fn begin(world: &mut World, step: &Step) {
     let limits = speed_limits(world, step);
-    let (a, bodies, scratch) = (&world.awake, &world.bodies, &mut world.scratch);
+    let (a, bodies, frames, scratch) = (&mut world.awake, &world.bodies, &world.frames, &mut world.scratch);
     scratch.pushed.resize(a.state.len(), Pushed::NOTHING);
     scratch.drives.resize(a.state.len(), Drive::NOTHING);
     scratch.ways.resize(a.state.len(), Way::NOTHING);
-    let columns = (&mut scratch.pushed[..], &mut scratch.drives[..], &mut scratch.ways[..]);
-    world.tasks.for_each3(columns, BODIES, |row, pushed, drive, way| {
-        let b = &a.step[row];
-        *pushed = Pushed::NOTHING;
-        *drive = Drive::new(b, &a.inertia[row], step.constants.h);
-        *way = Way::new(b, &bodies[b.body], &limits);
+    scratch.tops.resize(a.state.len(), Top::NOTHING);
+    let (steps, inertia, h) = (&a.step, &a.inertia, step.constants.h);
+    let columns = (
+        &mut scratch.pushed[..],
+        &mut scratch.drives[..],
+        &mut scratch.ways[..],
+        &mut scratch.tops[..],
+        &mut a.turning[..],
+    );
+    world.tasks.for_each_piece(columns, BODIES, |first, (pushed, drives, ways, tops, turning)| {
+        for i in 0..pushed.len() {
+            let b = &steps[first + i];
+            pushed[i] = Pushed::NOTHING;
+            drives[i] = Drive::new(b, &inertia[first + i], h);
+            ways[i] = Way::new(b, &bodies[b.body], &limits);
+            if ways[i].free {
+                tops[i] = Top::new(b, &bodies[b.body].mass, h);
+                free::check(&mut turning[i], frames[b.body as usize].rotation);
+            }
+        }
     });
 }
 

@@ -1,7 +1,8 @@
 //! Writes the motion of a step back to the frames.
 
 use super::desc::BodyKind;
-use super::solve::{SpeedLimits, principal_axes, settle, turns_freely};
+use super::free::{principal_axes, settle};
+use super::solve::{SpeedLimits, turns_freely};
 use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 

@@ -1,9 +1,10 @@
 //! What a substep does with bodies alone: forces, the impulses of contacts once more, and the way; row by row, and abreast.
 //!
 //! Several of these stand one after the other where nothing else acts in between. They are done in one pass over the bodies then ([`Todo`]): a
-//! pass costs what it reads. The way is that of `solve::integrate_position`, in its order of operations; bodies that lanes do not know (locks, unequal
-//! moments, turns of more than a radian) go there one by one.
+//! pass costs what it reads. The way is that of `solve::integrate_position`, in its order of operations; bodies that lanes do not know (locks, turns of
+//! more than a radian) go there one by one. What turns torque-free has its turn after its way, in lanes of its own ([`super::free`]).
 
+use super::free::SPIN_MIN_SQUARED;
 use super::solve::{SpeedLimits, turns_freely};
 use super::state::{Body, BodyState, BodyStep, InvInertia};
 use crate::room::contacts::rows::{LANES, Lane, Wide3};
@@ -57,23 +58,30 @@ impl Drive {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Way {
     /// Its fastest spin, rad/s.
-    spin_most: f32,
+    pub spin_most: f32,
     /// Not in lanes.
     alone: bool,
     /// Neither while it turns more than a radian a substep.
     fast: bool,
+    /// Its turn is torque-free.
+    pub free: bool,
 }
 
 impl Way {
-    pub const NOTHING: Self = Self { spin_most: 0.0, alone: false, fast: false };
+    pub const NOTHING: Self = Self { spin_most: 0.0, alone: false, fast: false, free: false };
     pub fn new(b: &BodyStep, body: &Body, limits: &SpeedLimits) -> Self {
-        let alone = b.locks != 0 || turns_freely(b);
-        Self { spin_most: limits.spin_of(b, body), alone, fast: b.fast_rotation }
+        let spin_most = limits.spin_of(b, body);
+        Self { spin_most, alone: b.locks != 0, fast: b.fast_rotation, free: turns_freely(b) }
+    }
+    /// Does it have a torque-free turn in this substep, in lanes? (Its way does not change the answer.)
+    #[inline(always)]
+    pub fn turns(&self, s: &BodyState) -> bool {
+        self.free && !self.alone && s.w().length_squared() >= SPIN_MIN_SQUARED
     }
     /// Does it go by itself in this substep? (What goes in lanes has the same answer after it.)
     #[inline(always)]
     pub fn goes_alone(&self, s: &BodyState, h: f32) -> bool {
-        self.alone || (self.fast && (s.w() * h).length_squared() > 1.0)
+        self.alone || (self.fast && (s.w() * h).length_squared() > 1.0 && !self.turns(s))
     }
 }
 
@@ -197,9 +205,10 @@ fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32)
     for (most, way) in spin_most.iter_mut().zip(ways) {
         *most = way.spin_most;
     }
-    let mut lanes = [false; LANES];
+    // Whether it goes at all, and whether it turns as well.
+    let mut lanes = [(false, false); LANES];
     for ((goes, way), s) in lanes.iter_mut().zip(ways).zip(&*states) {
-        *goes = !way.goes_alone(s, h);
+        *goes = (!way.goes_alone(s, h), !way.turns(s));
     }
     let h = L::splat(h);
     let v = within(Wide3::new(vx, vy, vz), L::splat(speed_most));
@@ -214,19 +223,22 @@ fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32)
     L::scatter8(
         [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
         #[inline(always)]
-        |l, row| {
-            if lanes[l] {
-                states[l].hot = row;
+        |l, row| match lanes[l] {
+            (true, true) => states[l].hot = row,
+            (true, false) => {
+                states[l].hot[..3].copy_from_slice(&row[..3]);
+                states[l].hot[6..].copy_from_slice(&row[6..]);
             }
+            (false, _) => {}
         },
     );
     L::scatter8(
         [p.z, turned.x, turned.y, turned.z, q[0], q[1], q[2], q[3]],
         #[inline(always)]
-        |l, row| {
-            if lanes[l] {
-                states[l].motion = row;
-            }
+        |l, row| match lanes[l] {
+            (true, true) => states[l].motion = row,
+            (true, false) => states[l].motion[0] = row[0],
+            (false, _) => {}
         },
     );
 }

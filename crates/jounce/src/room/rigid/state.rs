@@ -245,6 +245,18 @@ pub(crate) struct Turning {
     pub frozen: DQuat,
 }
 
+impl Turning {
+    /// Of what does not turn.
+    pub const NOTHING: Self = Self {
+        momentum: DVec3::ZERO,
+        w: Vec3::ZERO,
+        q: DQuat::IDENTITY,
+        rotation: Quat::IDENTITY,
+        dq: Quat::IDENTITY,
+        frozen: DQuat::IDENTITY,
+    };
+}
+
 /// World inverse inertia, frozen for contacts within a step: xx, yy, zz, xy, xz, yz.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
