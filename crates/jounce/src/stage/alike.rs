@@ -8,7 +8,6 @@ use crate::room::joints::hinge;
 use crate::room::joints::rows::Ends;
 use crate::room::joints::set::{Constants, JointSet};
 use crate::room::rigid::desc::BodyKind;
-use crate::room::rigid::solve::turns_freely;
 use crate::room::rigid::state::{BodyState, Motion, NONE, Turning};
 use crate::table::Entry;
 use crate::world::World;
@@ -186,14 +185,13 @@ fn pass(world: &mut World, f: impl Fn(&World, &mut Band) -> bool + Sync) {
 
 /// ω that the memories of the momenta know.
 fn know(world: &World, band: &mut Band) {
+    let (ways, states, turning) = (&world.scratch.ways, &world.awake.state, &world.awake.turning);
     for b in &mut band.bodies {
         for l in 0..LANES {
             b.known[l] = 0.0;
             let row = b.rows[l] as usize;
-            let Some(Some(t)) = world.awake.turning.get(row) else { continue };
-            let step = &world.awake.step[row];
-            let rotation = world.frames[step.body as usize].rotation;
-            if turns_freely(step) && t.rotation == rotation && t.dq == world.awake.state[row].get().dq {
+            let Some(state) = states.get(row).filter(|_| ways[row].free) else { continue };
+            if let Some(t) = turning[row].as_ref().filter(|t| t.is_of(state)) {
                 b.known[l] = 1.0;
                 b.known_w.set(l, t.w);
             }

@@ -99,8 +99,7 @@ pub(crate) fn remember<'a>(
     memory: &mut Option<Turning>,
     of: impl FnOnce() -> (&'a Mass, Quat),
 ) {
-    let [.., x, y, z, w] = s.motion;
-    if memory.as_ref().is_none_or(|t| t.dq != Quat::new(x, y, z, w)) {
+    if memory.as_ref().is_none_or(|t| !t.is_of(s)) {
         let (mass, rotation) = of();
         *memory = Some(start(&s.get(), mass, rotation));
     }
@@ -180,10 +179,7 @@ impl Turns<'_> {
         let body = Body { moments: [mx, my, mz], keep, most };
         let (world, q, before, w) = turn(&body, [lx, ly, lz], [dx, dy, dz], q, frozen, self.h);
         let half = D::splat(0.5 * f64::from(self.h));
-        let way = [0, 1, 2].map(
-            #[inline(always)]
-            |i| (before[i] + w[i]) * half,
-        );
+        let way = scale(add(before, w), half);
         let dq = q.after(frozen.back());
         let Self { states, turning, rows, .. } = self;
         let rows = &rows[at..];
@@ -193,8 +189,9 @@ impl Turns<'_> {
             #[inline(always)]
             |lane, row| {
                 if let Some(&i) = rows.get(lane) {
-                    let [x, y, z, _] = row.map(|x| x as f32);
-                    states[usize::from(i)].hot[3..6].copy_from_slice(&[x, y, z]);
+                    for k in 0..3 {
+                        states[usize::from(i)].hot[3 + k] = row[k] as f32;
+                    }
                 }
             },
         );
@@ -214,7 +211,9 @@ impl Turns<'_> {
             #[inline(always)]
             |lane, row| {
                 if let Some(&i) = rows.get(lane) {
-                    states[usize::from(i)].motion[4..].copy_from_slice(&row.map(|x| x as f32));
+                    for k in 0..4 {
+                        states[usize::from(i)].motion[4 + k] = row[k] as f32;
+                    }
                 }
             },
         );

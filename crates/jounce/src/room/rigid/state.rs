@@ -255,6 +255,12 @@ impl Turning {
         dq: Quat::IDENTITY,
         frozen: DQuat::IDENTITY,
     };
+    /// Has nothing else turned the body since its last turn in this step? (What belongs to another step is forgotten at its start.)
+    #[inline(always)]
+    pub fn is_of(&self, s: &BodyState) -> bool {
+        let [.., x, y, z, w] = s.motion;
+        self.dq == Quat::new(x, y, z, w)
+    }
 }
 
 /// World inverse inertia, frozen for contacts within a step: xx, yy, zz, xy, xz, yz.
