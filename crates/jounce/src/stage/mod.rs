@@ -119,11 +119,14 @@ pub(crate) struct Scratch {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RowPlace {
     pub color: u8,
+    /// How many points it has, as the colouring tells rows apart.
+    pub kind: u8,
+    /// Among all rows of the colour; among those of the kind until [`Places`] are asked.
     pub row: u32,
 }
 
 impl RowPlace {
-    const NOWHERE: Self = Self { color: 0, row: NONE };
+    const NOWHERE: Self = Self { color: 0, kind: 0, row: NONE };
     /// Which block of the colour, and the lane there.
     pub fn lane(&self) -> (usize, usize) {
         (self.row as usize / LANES, self.row as usize % LANES)
@@ -138,6 +141,8 @@ pub(crate) struct Places {
     /// Those of all other manifolds; by contact row: where its own begin.
     others: Vec<RowPlace>,
     from: Vec<u32>,
+    /// By colour and kind: where its rows start.
+    starts: [[u32; ColorSets::KINDS]; ColorSets::COLORS + 1],
 }
 
 impl Places {
@@ -158,6 +163,10 @@ impl Places {
             self.others.push(place);
         }
     }
+    /// That was all: where the rows of each kind start.
+    pub fn close(&mut self, starts: &[[u32; ColorSets::KINDS]; ColorSets::COLORS + 1]) {
+        self.starts = *starts;
+    }
     /// Where a manifold of a contact is, if its row can move anything.
     #[inline]
     pub fn get(&self, contact: usize, manifold: usize) -> Option<RowPlace> {
@@ -166,7 +175,11 @@ impl Places {
             None => first,
             Some(k) => self.others.get(*self.from.get(contact)? as usize + k)?,
         };
-        (first.row != NONE && place.row != NONE).then_some(*place)
+        if first.row == NONE || place.row == NONE {
+            return None;
+        }
+        let start = self.starts[usize::from(place.color)][usize::from(place.kind)];
+        Some(RowPlace { row: start + place.row, ..*place })
     }
 }
 
@@ -357,7 +370,7 @@ mod tests {
             places.begin(counts.len());
             for (contact, &n) in counts.iter().enumerate() {
                 for k in 0..n {
-                    places.push(contact, k, RowPlace { color: k as u8, row: 10 * contact as u32 });
+                    places.push(contact, k, RowPlace { color: k as u8, kind: 0, row: 10 * contact as u32 });
                 }
             }
             for (contact, &n) in counts.iter().enumerate() {

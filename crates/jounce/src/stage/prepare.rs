@@ -3,6 +3,7 @@
 use super::{RowPlace, Scratch, Step};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
+use crate::room::contacts::state::Contact;
 use crate::room::contacts::{crowd, load};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -110,8 +111,29 @@ pub(crate) struct Outline {
     /// Its bodies as colours name them.
     items: [u32; 2],
     manifolds: u32,
+    /// How many points each manifold has.
+    points: Points,
     deep: bool,
     load: load::Load,
+}
+
+/// One to four points of each of a contact's manifolds, two bits each; of those that find no room, four.
+#[derive(Clone, Copy, Debug)]
+struct Points(u64);
+
+impl Points {
+    fn of(c: &Contact) -> Self {
+        let mut bits = u64::MAX;
+        for (k, m) in c.manifolds().enumerate().take(32) {
+            let fewer = 4 - u64::from(m.count.clamp(1, 4));
+            bits ^= fewer << (2 * k);
+        }
+        Self(bits)
+    }
+    /// Points of a manifold but one.
+    fn kind(self, k: u32) -> usize {
+        if k < 32 { (self.0 >> (2 * k)) as usize & 3 } else { 3 }
+    }
 }
 
 fn outline(world: &mut World) {
@@ -132,6 +154,7 @@ fn outline(world: &mut World) {
                     contact: (first + i) as u32,
                     items: h.bodies.map(|b| world.items[b as usize]),
                     manifolds: c.manifold_count() as u32,
+                    points: Points::of(c),
                     deep: c.deep,
                     load: load::Load::of(c),
                 });
@@ -161,13 +184,16 @@ fn color(world: &mut World) {
                 return;
             }
             for k in 0..o.manifolds {
-                let place = colors.push(a, b, rows.len() as u32);
+                // Rows with as many points lie together: a block is solved as its largest row.
+                let place = colors.push_kind(o.points.kind(k), a, b, rows.len() as u32);
                 rows.push((o.contact, k));
                 debug_assert!(place.is_some(), "a contact of a body with itself");
-                let (color, row) = place.unwrap_or((ColorSets::OVERFLOW, NONE));
-                places.push(o.contact as usize, k as usize, RowPlace { color, row });
+                let (color, kind, row) = place.unwrap_or((ColorSets::OVERFLOW, 0, NONE));
+                places.push(o.contact as usize, k as usize, RowPlace { color, kind, row });
             }
         });
+        colors.close();
+        places.close(colors.starts());
     };
     let load = || {
         loads.begin(bodies);
