@@ -61,17 +61,14 @@ fn raise_squeezed(world: &mut World, step: &Step) {
     let bodies = &world.bodies;
     let jointed = |body: u32| !bodies[body].joints.is_empty();
     let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
-    let (awake, items) = (&mut world.awake, &world.items);
-    load::raise(
-        &world.tasks,
-        &world.heads,
-        |b| items[b as usize],
-        awake,
-        jointed,
-        hangs,
-        &mut loads,
-        numbers,
-    );
+    let (awake, items, heads, places) = (&mut world.awake, &world.items, &world.heads, &world.places);
+    let touches = |body: u32| {
+        bodies[body].contacts.iter().filter_map(move |&id| {
+            let h = places[id as usize].head(heads).filter(|h| h.touching)?;
+            Some(items[h.other(body) as usize])
+        })
+    };
+    load::raise(&world.tasks, touches, awake, jointed, hangs, &mut loads, numbers);
     world.scratch.loads = loads;
 }
 

@@ -6,7 +6,7 @@
 //! needs no memory between steps, and looks at little where most is awake.
 
 use super::Step;
-use crate::room::contacts::state::{Contact, ContactPlace};
+use crate::room::contacts::state::ContactPlace;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -88,8 +88,8 @@ fn walk(world: &World, wheels: &[(u32, u32)], first: u32, rest: &mut [Rest], isl
         let body = &world.bodies[slot];
         let on = wheels.partition_point(|w| w.0 < slot);
         let stirs = body.contacts.iter().any(|&id| {
-            let c = contact(world, id);
-            c.is_some_and(|c| c.touching && meet(if c.body_a == slot { c.body_b } else { c.body_a }))
+            let h = world.places[id as usize].head(&world.heads);
+            h.is_some_and(|h| h.touching && meet(h.other(slot)))
         }) || body.joints.iter().any(|&id| {
             let j = &world.joints.table[id];
             j.acts() && meet(if j.body_a == slot { j.body_b } else { j.body_a })
@@ -102,13 +102,6 @@ fn walk(world: &World, wheels: &[(u32, u32)], first: u32, rest: &mut [Rest], isl
         island.iter().for_each(|&r| rest[r as usize] = Rest::Stirs);
     }
     asleep
-}
-
-fn contact(world: &World, id: u32) -> Option<&Contact> {
-    match world.places[id as usize] {
-        ContactPlace::Awake(row) => Some(&world.contacts[row as usize]),
-        _ => None,
-    }
 }
 
 /// Vehicles and what is under their wheels, both ways, in order.
@@ -141,7 +134,7 @@ fn keep_awake(world: &mut World) {
         for i in 0..world.bodies[body].contacts.len() {
             let id = world.bodies[body].contacts[i];
             if let ContactPlace::Awake(row) = world.places[id as usize]
-                && world.contacts[row as usize].touching
+                && world.heads[row as usize].touching
             {
                 stir(world, row as usize);
             }

@@ -18,8 +18,7 @@
 //! What is given up: a squeezed body reacts to a *net* impulse as if it had the mass m′. Bodies on joints are never treated: joints
 //! are solved rigidly, and a bone that weighs tons for a step throws those it hangs on.
 
-use super::state::{Contact, PairHead};
-use crate::groups::{root, unite};
+use super::state::Contact;
 use crate::room::rigid::state::Awake;
 use jounce_math::{Vec3, scalar::f32s};
 use jounce_tasks::Tasks;
@@ -45,9 +44,19 @@ const FALL: f32 = 0.5;
 pub(crate) struct Loads {
     /// By row: Σ|λ|, Σ λ n, fastest approach.
     sums: Vec<(f32, Vec3, f32)>,
-    /// By row: the parent in its group; by root: whether the group is held, and the most that one of it is raised by.
-    parent: Vec<u32>,
-    groups: Vec<(bool, f32)>,
+    /// By row: what is known of those that it touches, and they; the rows that a search has met.
+    group: Vec<Group>,
+    met: Vec<u32>,
+}
+
+/// What is known of a body and those that hang together with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Group {
+    Unknown,
+    /// The search is at it, or has found nothing that holds it.
+    Met,
+    /// Something holds one of them.
+    Held,
 }
 
 /// What a contact gave in the last step: Σ|λ|, Σ λ n, and how fast the two met.
@@ -96,19 +105,18 @@ impl Loads {
     }
 }
 
-/// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held. `row` of a body is that
-/// in the awake columns, or beyond them. `loads` has been given all contacts.
-pub(crate) fn raise(
+/// Lowers inverse masses of squeezed bodies for this step, but for those on joints; who `hangs` on joints or wheels is held. `touches` gives the
+/// rows in the awake columns of what a body touches, or numbers beyond them. `loads` has been given all contacts.
+pub(crate) fn raise<I: Iterator<Item = u32>>(
     tasks: &Tasks,
-    heads: &[PairHead],
-    row: impl Fn(u32) -> u32,
+    touches: impl Fn(u32) -> I,
     awake: &mut Awake,
     jointed: impl Fn(u32) -> bool + Sync,
     hangs: impl Fn(u32) -> bool,
     loads: &mut Loads,
     [gravity, slop, omega, dt]: [f32; 4],
 ) {
-    let Loads { sums, parent, groups } = loads;
+    let Loads { sums, group, met } = loads;
     let any = AtomicBool::new(false);
     tasks.for_each_piece((&sums[..], &mut awake.step[..]), BODIES, |_, (sums, steps)| {
         let mut treated = false;
@@ -133,30 +141,46 @@ pub(crate) fn raise(
     if !any.into_inner() {
         return;
     }
-    groups.clear();
-    let moves = |row: u32| awake.inertia.get(row as usize).is_some_and(|t| t.inv_mass > 0.0);
-    parent.clear();
-    parent.extend(0..sums.len() as u32);
-    // Those too that push for the first time in this step.
-    let pairs = heads.iter().filter(|h| h.touching);
-    let pairs = pairs.map(|h| h.bodies.map(&row));
-    for [a, b] in pairs.clone().filter(|p| p.iter().all(|&row| moves(row))) {
-        unite(parent, a, b);
-    }
-    groups.resize(sums.len(), (false, 1.0));
-    for [a, b] in pairs.filter(|&[a, b]| moves(a) != moves(b)) {
-        groups[root(parent, if moves(a) { a } else { b }) as usize].0 = true;
-    }
-    for (row, step) in awake.step.iter().enumerate() {
-        let group = &mut groups[root(parent, row as u32) as usize];
-        group.0 |= hangs(step.body);
-        group.1 = f32s::max(group.1, step.raised);
-    }
-    for (row, (step, inertia)) in awake.step.iter_mut().zip(&mut awake.inertia).enumerate() {
-        let (held, most) = groups[root(parent, row as u32) as usize];
-        if !held {
-            step.raised = most;
+    group.clear();
+    let (steps, inertia) = (&mut awake.step, &mut awake.inertia);
+    group.resize(steps.len(), Group::Unknown);
+    let moves = |row: u32| inertia.get(row as usize).is_some_and(|t| t.inv_mass > 0.0);
+    for first in 0..steps.len() {
+        if steps[first].raised == 1.0 || group[first] != Group::Unknown || !moves(first as u32) {
+            continue;
         }
+        met.clear();
+        met.push(first as u32);
+        group[first] = Group::Met;
+        // Until something is found that holds one of them: most lie on the ground, or near one that does.
+        let mut next = 0;
+        let held = loop {
+            let Some(&row) = met.get(next) else { break false };
+            next += 1;
+            let body = steps[row as usize].body;
+            // Those too that push for the first time in this step.
+            let holds = |other: u32| {
+                if !moves(other) || group[other as usize] == Group::Held {
+                    return true;
+                }
+                if group[other as usize] == Group::Unknown {
+                    group[other as usize] = Group::Met;
+                    met.push(other);
+                }
+                false
+            };
+            if hangs(body) || touches(body).any(holds) {
+                break true;
+            }
+        };
+        if held {
+            met.iter().for_each(|&row| group[row as usize] = Group::Held);
+        } else {
+            let most = met.iter().fold(1.0, |most, &row| f32s::max(most, steps[row as usize].raised));
+            met.iter().for_each(|&row| steps[row as usize].raised = most);
+        }
+    }
+    for ((step, inertia), group) in steps.iter_mut().zip(inertia).zip(&*group) {
         if step.raised == 1.0 || inertia.inv_mass == 0.0 {
             continue;
         }
@@ -167,7 +191,7 @@ pub(crate) fn raise(
         for v in [&mut inertia.xy, &mut inertia.xz, &mut inertia.yz] {
             *v *= factor;
         }
-        if held {
+        if *group == Group::Held {
             step.acceleration *= factor;
         }
     }

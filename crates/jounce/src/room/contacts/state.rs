@@ -240,6 +240,10 @@ impl PairHead {
             renewed: true,
         }
     }
+    /// The other body.
+    pub fn other(&self, body: u32) -> u32 {
+        self.bodies[usize::from(self.bodies[0] == body)]
+    }
 }
 
 /// A pair of shapes whose bounds overlap. The fields lie in the order in which they are asked for. Two lines say whether manifolds are kept; the next
@@ -342,4 +346,11 @@ pub(crate) enum ContactPlace {
     Free,
     Awake(u32),
     Asleep(u32),
+}
+
+impl ContactPlace {
+    /// What every step asks of the contact, if it is awake.
+    pub fn head(self, heads: &[PairHead]) -> Option<&PairHead> {
+        if let Self::Awake(row) = self { heads.get(row as usize) } else { None }
+    }
 }
