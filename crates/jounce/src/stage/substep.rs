@@ -6,7 +6,7 @@ use crate::room::contacts::rows::LANES;
 use crate::room::contacts::solve::{Pass, Sweep};
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
-use crate::room::rigid::free::{self, Top, Turns};
+use crate::room::rigid::free::{self, Ends, Free, Top, Turns};
 use crate::room::rigid::pass::{Drive, Go, Pushed, Todo, Way};
 use crate::room::rigid::solve::{SpeedLimits, Substep, integrate_position};
 use crate::room::rigid::state::BodyState;
@@ -119,8 +119,8 @@ impl Bodies {
                     n += 1;
                 }
                 if n > 0 {
-                    let (rows, spin_most) = (&turn[..n], &spin_most[..n]);
-                    dispatch(width, Turns { states, turning, tops, rows, spin_most, h });
+                    let free = Free { states, turning, rows: &turn[..n] };
+                    dispatch(width, Turns { free, tops, spin_most: &spin_most[..n], h });
                 }
             }
             todo.keep(states, pushed);
@@ -230,16 +230,26 @@ fn collect(world: &mut World) {
 
 fn poses(world: &mut World, step: &Step) {
     let limits = speed_limits(world, step);
-    let (a, bodies) = (&mut world.awake, &world.bodies);
+    let (a, bodies, ways, width) = (&mut world.awake, &world.bodies, &world.scratch.ways, world.width);
     let frames = Owning(&mut world.frames, &world.row_of);
     let columns = (&mut a.state[..], &mut a.step[..], &mut a.inertia[..], &mut a.turning[..], frames);
     world.tasks.for_each_piece(columns, BODIES, |first, (states, steps, inertia, turning, mut frames)| {
+        let (mut turned, mut ends, mut n) = ([false; BODIES], [0; BODIES], 0);
+        for (i, s) in states.iter().enumerate() {
+            turned[i] = ways[first + i].free && turning[i].as_ref().is_some_and(|t| t.is_of(s));
+            ends[n] = i as u8;
+            n += usize::from(turned[i]);
+        }
+        if n > 0 {
+            dispatch(width, Ends { free: Free { states, turning, rows: &ends[..n] }, steps, bodies });
+        }
         for (i, (s, b)) in states.iter_mut().zip(steps).enumerate() {
             if let Some(frame) = frames.get(first + i, b.body as usize) {
+                let precise = turning[i].as_ref().filter(|_| turned[i]).map(|t| t.rotation);
                 rigid::finish(
                     s,
                     b,
-                    &mut turning[i],
+                    precise,
                     &mut inertia[i],
                     frame,
                     &bodies[b.body],

@@ -1,16 +1,15 @@
 //! Writes the motion of a step back to the frames.
 
 use super::desc::BodyKind;
-use super::free::{principal_axes, settle};
-use super::solve::{SpeedLimits, turns_freely};
-use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Mass, Motion, Turning};
+use super::solve::SpeedLimits;
+use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
-/// New pose and inertia; spends the force accumulators; judges rest by the motion of the farthest point.
+/// New pose (`precise` is the rotation of what turned freely) and inertia; spends the force accumulators; judges rest by the motion of the farthest point.
 pub(crate) fn finish(
     state: &mut BodyState,
     b: &mut BodyStep,
-    turning: &mut Option<Turning>,
+    precise: Option<Quat>,
     i: &mut InvInertia,
     f: &mut BodyFrame,
     body: &Body,
@@ -19,12 +18,8 @@ pub(crate) fn finish(
 ) {
     let mass = &body.mass;
     let mut s = state.get();
-    if turns_freely(b) {
-        settle(&mut s, turning, mass, f.rotation0);
-        state.put(&s);
-    }
     f.center = f.center0 + s.dp.as_dvec3();
-    f.rotation = rotation(&s, turning, f.rotation0, mass);
+    f.rotation = precise.unwrap_or_else(|| (s.dq * f.rotation0).normalize());
     if let (BodyKind::Kinematic, Some(target)) = (b.kind, b.target.take()) {
         f.rotation = target.q;
         f.center = target.transform_point(f.local_center);
@@ -76,16 +71,3 @@ const TURNS: f32 = 2.0;
 const SWINGS: f32 = 3.0;
 /// Part of the velocity of a body on joints that counts as motion, whatever way it made.
 const LEADS_NOWHERE: f32 = 0.1;
-
-/// The rotation at the end of the step; from the precise one where that is known.
-fn rotation(s: &Motion, turning: &mut Option<Turning>, rotation0: Quat, mass: &Mass) -> Quat {
-    match turning {
-        Some(t) if t.dq == s.dq && t.rotation == rotation0 => {
-            t.rotation = (t.q * mass.principal.conjugate()).normalize().as_quat();
-            t.dq = Quat::IDENTITY;
-            t.frozen = principal_axes(t.rotation, mass);
-            t.rotation
-        }
-        _ => (s.dq * rotation0).normalize(),
-    }
-}

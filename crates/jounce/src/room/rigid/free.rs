@@ -21,8 +21,10 @@
 //!
 //! All of this is in `f64`: rounding to `f32` would leak momentum. Bodies turn several abreast ([`Doubles`]), each in a lane.
 
-use super::state::{BodyState, BodyStep, Mass, Motion, Turning};
-use jounce_lanes::{Array, Doubles, Kernel, Lanes, Mask};
+use super::state::{Body, BodyState, BodyStep, Mass, Motion, Turning};
+use super::turn::{Turn, add, dot, normalize_doubles, scale, times};
+use crate::table::Table;
+use jounce_lanes::{Array, DOUBLES_MAX, Doubles, Kernel, Lanes, Mask as _};
 use jounce_math::{DQuat, DVec3, Quat};
 
 /// Below this spin (rad/s, squared) the gyroscopic turn is below f32 resolution over a substep.
@@ -46,7 +48,7 @@ impl Top {
 }
 
 /// World from principal axes.
-pub(super) fn principal_axes(rotation: Quat, mass: &Mass) -> DQuat {
+fn principal_axes(rotation: Quat, mass: &Mass) -> DQuat {
     (rotation.as_dquat() * mass.principal).normalize()
 }
 
@@ -105,14 +107,98 @@ pub(crate) fn remember<'a>(
     }
 }
 
-/// Turns of some bodies of a chunk. Their memories are those of their rotations.
-pub(crate) struct Turns<'a> {
+/// Some bodies of a chunk that turn freely, with their memories.
+pub(crate) struct Free<'a> {
     pub states: &'a mut [BodyState],
     pub turning: &'a mut [Option<Turning>],
-    pub tops: &'a [Top],
-    /// Which of them turn.
+    /// Which of them.
     pub rows: &'a [u8],
-    /// Fastest spin of each of `rows`, rad/s.
+}
+
+/// What memories know, a body in each lane.
+struct Memories<D> {
+    momentum: [D; 3],
+    q: Turn<D>,
+    frozen: Turn<D>,
+    /// What came to ω since.
+    change: [D; 3],
+}
+
+impl Free<'_> {
+    /// The row of a lane; one that stands for nobody repeats the first.
+    #[inline(always)]
+    fn row(&self, at: usize) -> usize {
+        usize::from(*self.rows.get(at).unwrap_or(&self.rows[0]))
+    }
+    #[inline(always)]
+    fn memory(&self, at: usize) -> &Turning {
+        self.turning[self.row(at)].as_ref().unwrap_or(&Turning::NOTHING)
+    }
+    #[inline(always)]
+    fn recall<D: Doubles>(&self, at: usize) -> Memories<D> {
+        let q = D::gather4(
+            #[inline(always)]
+            |lane| self.memory(at + lane).q.to_array(),
+        );
+        let frozen = D::gather4(
+            #[inline(always)]
+            |lane| self.memory(at + lane).frozen.to_array(),
+        );
+        let [lx, ly, lz, _] = D::gather4(
+            #[inline(always)]
+            |lane| {
+                let l = self.memory(at + lane).momentum;
+                [l.x, l.y, l.z, 0.0]
+            },
+        );
+        let [dx, dy, dz, _] = D::gather4(
+            #[inline(always)]
+            |lane| {
+                let w = self.states[self.row(at + lane)].w();
+                let change = w.as_dvec3() - self.memory(at + lane).w.as_dvec3();
+                [change.x, change.y, change.z, 0.0]
+            },
+        );
+        Memories { momentum: [lx, ly, lz], q: Turn(q), frozen: Turn(frozen), change: [dx, dy, dz] }
+    }
+    /// Calls `put` with the state, the memory and a row of numbers of every lane from `at` that stands for a body.
+    #[inline(always)]
+    fn scatter<D: Doubles>(
+        &mut self,
+        at: usize,
+        columns: [D; 4],
+        put: impl Fn(usize, &mut BodyState, &mut Turning, [f64; 4]),
+    ) {
+        let Self { states, turning, rows } = self;
+        D::scatter4(
+            columns,
+            #[inline(always)]
+            |lane, numbers| {
+                if let Some(&i) = rows.get(at + lane)
+                    && let Some(t) = &mut turning[usize::from(i)]
+                {
+                    put(lane, &mut states[usize::from(i)], t, numbers);
+                }
+            },
+        );
+    }
+}
+
+impl<D: Doubles> Memories<D> {
+    /// Momentum now: impulses came through the frozen inertia.
+    #[inline(always)]
+    fn momentum(&self, moments: [D; 3]) -> [D; 3] {
+        let gain = times(self.frozen.back().rotate(self.change), moments);
+        add(self.momentum, self.frozen.rotate(gain))
+    }
+}
+
+/// Turns of some bodies. Their memories are those of their rotations.
+pub(crate) struct Turns<'a> {
+    pub free: Free<'a>,
+    /// Of the chunk.
+    pub tops: &'a [Top],
+    /// Fastest spin of each of the rows, rad/s.
     pub spin_most: &'a [f32],
     pub h: f32,
 }
@@ -122,7 +208,7 @@ impl Kernel for Turns<'_> {
     #[inline(always)]
     fn run<L: Lanes>(mut self) {
         let mut at = 0;
-        while at < self.rows.len() {
+        while at < self.free.rows.len() {
             self.turn::<L::Doubles>(at);
             at += L::Doubles::WIDTH;
         }
@@ -135,117 +221,168 @@ impl Turns<'_> {
         self.run::<Array<1>>();
     }
 
-    /// The row of a lane; one that stands for nobody repeats the first.
-    #[inline(always)]
-    fn row(&self, at: usize) -> usize {
-        usize::from(*self.rows.get(at).unwrap_or(&self.rows[0]))
-    }
-    #[inline(always)]
-    fn memory(&self, at: usize) -> &Turning {
-        self.turning[self.row(at)].as_ref().unwrap_or(&Turning::NOTHING)
-    }
-
     /// Turns the rows from `at`.
     #[inline(always)]
     fn turn<D: Doubles>(&mut self, at: usize) {
-        let q = Turn(D::gather4(
-            #[inline(always)]
-            |lane| self.memory(at + lane).q.to_array(),
-        ));
-        let frozen = Turn(D::gather4(
-            #[inline(always)]
-            |lane| self.memory(at + lane).frozen.to_array(),
-        ));
-        let [lx, ly, lz, most] = D::gather4(
-            #[inline(always)]
-            |lane| {
-                let most = self.spin_most.get(at + lane).unwrap_or(&self.spin_most[0]);
-                let l = self.memory(at + lane).momentum;
-                [l.x, l.y, l.z, f64::from(*most)]
-            },
-        );
-        let [dx, dy, dz, _] = D::gather4(
-            #[inline(always)]
-            |lane| {
-                let w = self.states[self.row(at + lane)].w();
-                let change = w.as_dvec3() - self.memory(at + lane).w.as_dvec3();
-                [change.x, change.y, change.z, 0.0]
-            },
-        );
+        let memories = self.free.recall::<D>(at);
         let [mx, my, mz, keep] = D::gather4(
             #[inline(always)]
-            |lane| self.tops[self.row(at + lane)].moments,
+            |lane| self.tops[self.free.row(at + lane)].moments,
         );
-        let body = Body { moments: [mx, my, mz], keep, most };
-        let (world, q, before, w) = turn(&body, [lx, ly, lz], [dx, dy, dz], q, frozen, self.h);
-        let half = D::splat(0.5 * f64::from(self.h));
-        let way = scale(add(before, w), half);
-        let dq = q.after(frozen.back());
-        let Self { states, turning, rows, .. } = self;
-        let rows = &rows[at..];
-        let zero = D::zero();
-        D::scatter4(
+        let mut most = [0.0; DOUBLES_MAX];
+        for (most, spin) in most.iter_mut().zip(&self.spin_most[at..]) {
+            *most = f64::from(*spin);
+        }
+        let body = Moments { moments: [mx, my, mz], keep, most: D::load(&most) };
+        let (world, q, before, w) = turn(&body, &memories, self.h);
+        let way = scale(add(before, w), D::splat(0.5 * f64::from(self.h)));
+        let dq = q.after(memories.frozen.back());
+        let (free, zero) = (&mut self.free, D::zero());
+        free.scatter(
+            at,
             [w[0], w[1], w[2], zero],
             #[inline(always)]
-            |lane, row| {
-                if let Some(&i) = rows.get(lane) {
-                    for k in 0..3 {
-                        states[usize::from(i)].hot[3 + k] = row[k] as f32;
-                    }
+            |_, s, t, w| {
+                for k in 0..3 {
+                    s.hot[3 + k] = w[k] as f32;
                 }
+                t.w = s.w();
             },
         );
-        D::scatter4(
+        free.scatter(
+            at,
             [way[0], way[1], way[2], zero],
             #[inline(always)]
-            |lane, row| {
-                if let Some(&i) = rows.get(lane) {
-                    for k in 0..3 {
-                        states[usize::from(i)].motion[1 + k] += row[k] as f32;
-                    }
+            |_, s, _, way| {
+                for k in 0..3 {
+                    s.motion[1 + k] += way[k] as f32;
                 }
             },
         );
-        D::scatter4(
+        free.scatter(
+            at,
             dq.0,
             #[inline(always)]
-            |lane, row| {
-                if let Some(&i) = rows.get(lane) {
-                    for k in 0..4 {
-                        states[usize::from(i)].motion[4 + k] = row[k] as f32;
-                    }
+            |_, s, t, dq| {
+                for k in 0..4 {
+                    s.motion[4 + k] = dq[k] as f32;
                 }
+                t.dq = Quat::new(s.motion[4], s.motion[5], s.motion[6], s.motion[7]);
             },
         );
-        D::scatter4(
+        free.scatter(
+            at,
             q.0,
             #[inline(always)]
-            |lane, row| {
-                if let Some(&i) = rows.get(lane)
-                    && let Some(t) = &mut turning[usize::from(i)]
-                {
-                    t.q = DQuat::from_array(row);
-                    let m = states[usize::from(i)].get();
-                    (t.w, t.dq) = (m.w, m.dq);
-                }
-            },
+            |_, _, t, q| t.q = DQuat::from_array(q),
         );
-        D::scatter4(
+        free.scatter(
+            at,
             [world[0], world[1], world[2], zero],
             #[inline(always)]
-            |lane, row| {
-                if let Some(&i) = rows.get(lane)
-                    && let Some(t) = &mut turning[usize::from(i)]
-                {
-                    t.momentum = DVec3::new(row[0], row[1], row[2]);
-                }
-            },
+            |_, _, t, l| t.momentum = DVec3::new(l[0], l[1], l[2]),
         );
     }
 }
 
+/// Ends of a step: what came since the last turn becomes momentum, and ω follows, as in [`settle`]; memories are those of the rotations at the end,
+/// from the precise ones.
+pub(crate) struct Ends<'a> {
+    pub free: Free<'a>,
+    /// Of the chunk.
+    pub steps: &'a [BodyStep],
+    pub bodies: &'a Table<Body>,
+}
+
+impl Kernel for Ends<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(mut self) {
+        let mut at = 0;
+        while at < self.free.rows.len() {
+            self.end::<L::Doubles>(at);
+            at += L::Doubles::WIDTH;
+        }
+    }
+}
+
+impl Ends<'_> {
+    #[inline(always)]
+    fn mass(&self, at: usize) -> &Mass {
+        &self.bodies[self.steps[self.free.row(at)].body].mass
+    }
+
+    #[inline(always)]
+    fn end<D: Doubles>(&mut self, at: usize) {
+        let memories = self.free.recall::<D>(at);
+        let [mx, my, mz, _] = D::gather4(
+            #[inline(always)]
+            |lane| {
+                let m = self.mass(at + lane).moments;
+                [m.x, m.y, m.z, 0.0]
+            },
+        );
+        let principal = Turn(D::gather4(
+            #[inline(always)]
+            |lane| self.mass(at + lane).principal.to_array(),
+        ));
+        let (m, q, one) = ([mx, my, mz], memories.q, D::splat(1.0));
+        let world = memories.momentum(m);
+        let inv = [one / m[0], one / m[1], one / m[2]];
+        let w = q.rotate(times(q.back().rotate(world), inv));
+        let rotation = normalize_doubles(q.after(principal.back()));
+        let mut rounded = [[0.0; 4]; DOUBLES_MAX];
+        D::scatter4(
+            rotation.0,
+            #[inline(always)]
+            |lane, q| {
+                for k in 0..4 {
+                    rounded[lane][k] = q[k] as f32;
+                }
+            },
+        );
+        let rotation = Turn(D::gather4(
+            #[inline(always)]
+            |lane| rounded[lane].map(f64::from),
+        ));
+        let frozen = normalize_doubles(rotation.after(principal));
+        let (free, zero) = (&mut self.free, D::zero());
+        free.scatter(
+            at,
+            [world[0], world[1], world[2], zero],
+            #[inline(always)]
+            |_, s, t, l| {
+                if t.w != s.w() {
+                    t.momentum = DVec3::new(l[0], l[1], l[2]);
+                }
+            },
+        );
+        free.scatter(
+            at,
+            [w[0], w[1], w[2], zero],
+            #[inline(always)]
+            |_, s, t, w| {
+                if t.w != s.w() {
+                    for k in 0..3 {
+                        s.hot[3 + k] = w[k] as f32;
+                    }
+                    t.w = s.w();
+                }
+            },
+        );
+        free.scatter(
+            at,
+            frozen.0,
+            #[inline(always)]
+            |lane, _, t, q| {
+                t.frozen = DQuat::from_array(q);
+                (t.rotation, t.dq) = (Quat::from_array(rounded[lane]), Quat::IDENTITY);
+            },
+        );
+    }
+}
 /// Constants of the body in each lane.
-struct Body<D> {
+struct Moments<D> {
     moments: [D; 3],
     /// What damping leaves of the momentum.
     keep: D,
@@ -253,22 +390,17 @@ struct Body<D> {
     most: D,
 }
 
-/// One turn: momentum, rotation of the principal axes, and the angular velocities before and after, world axes. `l` is the momentum that the
-/// last turn left, `change` what came to ω since.
+/// One turn: momentum, rotation of the principal axes, and the angular velocities before and after, world axes.
 #[inline(always)]
 fn turn<D: Doubles>(
-    body: &Body<D>,
-    l: [D; 3],
-    change: [D; 3],
-    q: Turn<D>,
-    frozen: Turn<D>,
+    body: &Moments<D>,
+    memories: &Memories<D>,
     h: f32,
 ) -> ([D; 3], Turn<D>, [D; 3], [D; 3]) {
     let one = D::splat(1.0);
-    let m = body.moments;
+    let (m, q) = (body.moments, memories.q);
     let inv = [one / m[0], one / m[1], one / m[2]];
-    let gain = frozen.rotate(times(frozen.back().rotate(change), m));
-    let mut world = scale(add(l, gain), body.keep);
+    let mut world = scale(memories.momentum(m), body.keep);
     let mut l = q.back().rotate(world);
     let w = times(l, inv);
     let w2 = dot(w, w);
@@ -294,7 +426,8 @@ fn turn<D: Doubles>(
         turn_about::<D, 0>(&mut l, &mut q, di, D::splat(0.5 * h));
     }
     let q = Turn(axes.back(q.0));
-    let q = turn_by(scale(world, D::splat(h) * im)).after(q).normalize();
+    let q = turn_by(scale(world, D::splat(h) * im)).after(q);
+    let q = normalize_doubles(q);
     let w = q.rotate(times(q.back().rotate(world), inv));
     (world, q, before, w)
 }
@@ -336,72 +469,6 @@ impl<D: Doubles> Axes<D> {
     #[inline(always)]
     fn pick(&self, first: D, second: D, third: D) -> D {
         D::select(self.first, first, D::select(self.second, second, third))
-    }
-}
-
-#[inline(always)]
-fn add<D: Doubles>(a: [D; 3], b: [D; 3]) -> [D; 3] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
-}
-#[inline(always)]
-fn times<D: Doubles>(a: [D; 3], b: [D; 3]) -> [D; 3] {
-    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
-}
-#[inline(always)]
-fn scale<D: Doubles>(a: [D; 3], k: D) -> [D; 3] {
-    times(a, [k; 3])
-}
-#[inline(always)]
-fn dot<D: Doubles>(a: [D; 3], b: [D; 3]) -> D {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-#[inline(always)]
-fn cross<D: Doubles>(a: [D; 3], b: [D; 3]) -> [D; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// A rotation per lane, x, y, z, w, in the order of operations of `DQuat`.
-#[derive(Clone, Copy)]
-struct Turn<D>([D; 4]);
-
-impl<D: Doubles> Turn<D> {
-    /// The opposite turn.
-    #[inline(always)]
-    fn back(self) -> Self {
-        let [x, y, z, w] = self.0;
-        Self([-x, -y, -z, w])
-    }
-    #[inline(always)]
-    fn rotate(self, v: [D; 3]) -> [D; 3] {
-        let [x, y, z, w] = self.0;
-        let t = scale(cross([x, y, z], v), D::splat(2.0));
-        add(add(v, scale(t, w)), cross([x, y, z], t))
-    }
-    /// The turn `o`, then this.
-    #[inline(always)]
-    fn after(self, o: Self) -> Self {
-        let ([ax, ay, az, aw], [bx, by, bz, bw]) = (self.0, o.0);
-        Self([
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ])
-    }
-    /// As `DQuat::normalize`.
-    #[inline(always)]
-    fn normalize(self) -> Self {
-        let [x, y, z, w] = self.0;
-        let l = (x * x + y * y + z * z + w * w).sqrt();
-        let fine = l.gt(D::splat(f64::MIN_POSITIVE)) & l.le(D::splat(f64::MAX));
-        let (one, zero) = (D::splat(1.0), D::zero());
-        let s = one / l;
-        Self([
-            D::select(fine, x * s, zero),
-            D::select(fine, y * s, zero),
-            D::select(fine, z * s, zero),
-            D::select(fine, w * s, one),
-        ])
     }
 }
 

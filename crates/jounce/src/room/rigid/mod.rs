@@ -17,3 +17,4 @@ pub(crate) mod mass;
 pub(crate) mod pass;
 pub(crate) mod solve;
 pub(crate) mod state;
+pub(crate) mod turn;

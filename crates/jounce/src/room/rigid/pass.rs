@@ -7,6 +7,7 @@
 use super::free::SPIN_MIN_SQUARED;
 use super::solve::{SpeedLimits, turns_freely};
 use super::state::{Body, BodyState, BodyStep, InvInertia};
+use super::turn::{Turn, normalize};
 use crate::room::contacts::rows::{LANES, Lane, Wide3};
 use crate::room::rigid::desc::BodyKind;
 use jounce_lanes::{Kernel, Lanes};
@@ -150,39 +151,6 @@ impl Kernel for Go<'_> {
     }
 }
 
-/// A rotation per lane, in the order of operations of `Quat`: lanes go bit for bit as one by one. (That of the joints' lanes, `WideQuat`, is another.)
-#[derive(Clone, Copy)]
-struct Turn<L>([L; 4]);
-
-impl<L: Lanes> Turn<L> {
-    /// As `Quat::normalize`.
-    #[inline(always)]
-    fn normalize(self) -> Self {
-        let [x, y, z, w] = self.0;
-        let l = (x * x + y * y + z * z + w * w).sqrt();
-        let fine = l.gt(L::splat(f32::MIN_POSITIVE)) & l.le(L::splat(f32::MAX));
-        let (s, zero) = (L::splat(1.0) / l, L::zero());
-        let part = [x * s, y * s, z * s, w * s];
-        Self([
-            L::select(fine, part[0], zero),
-            L::select(fine, part[1], zero),
-            L::select(fine, part[2], zero),
-            L::select(fine, part[3], L::splat(1.0)),
-        ])
-    }
-    /// The turn `o`, then this.
-    #[inline(always)]
-    fn after(self, o: Self) -> Self {
-        let ([ax, ay, az, aw], [bx, by, bz, bw]) = (self.0, o.0);
-        Self([
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ])
-    }
-}
-
 /// v, cut to a length.
 #[inline(always)]
 fn within<L: Lanes>(v: Wide3<L>, most: L) -> Wide3<L> {
@@ -218,8 +186,8 @@ fn go<L: Lanes>(states: &mut [BodyState], ways: &[Way], h: f32, speed_most: f32)
     let turned = Wide3::new(rx, ry, rz).add(r);
     let x2 = L::splat(0.25) * r.dot(r);
     let f = L::splat(0.5) * (L::splat(15.0) - x2) / (L::splat(15.0) - L::splat(6.0) * x2);
-    let turn = Turn([r.x * f, r.y * f, r.z * f, L::splat(1.0)]).normalize();
-    let Turn(q) = turn.after(Turn([qx, qy, qz, qw])).normalize();
+    let turn = normalize(Turn([r.x * f, r.y * f, r.z * f, L::splat(1.0)]));
+    let Turn(q) = normalize(turn.after(Turn([qx, qy, qz, qw])));
     L::scatter8(
         [v.x, v.y, v.z, w.x, w.y, w.z, p.x, p.y],
         #[inline(always)]

@@ -4,7 +4,7 @@
 //! nothing locked turns torque-free ([`super::free`]).
 
 use super::desc::BodyKind;
-use super::free::{self, SPIN_MIN_SQUARED, Top, Turns};
+use super::free::{self, Free, SPIN_MIN_SQUARED, Top, Turns};
 use super::state::{Body, BodyFrame, BodyState, BodyStep, Motion, Turning};
 use crate::limits::SPIN_MAX;
 use jounce_math::{Quat, Vec3};
@@ -83,10 +83,12 @@ pub(crate) fn integrate_position(
         let mass = &bodies[b.body].mass;
         free::remember(state, turning, || (mass, frames[b.body as usize].rotation));
         Turns {
-            states: core::slice::from_mut(state),
-            turning: core::slice::from_mut(turning),
+            free: Free {
+                states: core::slice::from_mut(state),
+                turning: core::slice::from_mut(turning),
+                rows: &[0],
+            },
             tops: &[Top::new(b, mass, sub.h)],
-            rows: &[0],
             spin_most: &[limit],
             h: sub.h,
         }
