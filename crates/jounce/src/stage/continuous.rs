@@ -23,7 +23,7 @@ use jounce_math::{Pose, Vec3, WorldPose, scalar::f32s};
 const BODIES: usize = 256;
 /// Fast bodies per unit: few where there are few, since each may have many shapes.
 fn unit_of(fast: usize) -> usize {
-    (fast / 64).clamp(1, 4)
+    (fast / 64).clamp(1, 32)
 }
 /// A body that moved less than this part of its inner radius cannot have passed anything.
 const FAST: f32 = 0.5;
