@@ -176,7 +176,15 @@ vector_mask!(
     _mm256_movemask_ps
 );
 
-vector_mask!(MaskD2, 2, _mm_and_pd, _mm_or_pd, _mm_xor_pd, _mm_castsi128_pd(_mm_set1_epi32(-1)), _mm_movemask_pd);
+vector_mask!(
+    MaskD2,
+    2,
+    _mm_and_pd,
+    _mm_or_pd,
+    _mm_xor_pd,
+    _mm_castsi128_pd(_mm_set1_epi32(-1)),
+    _mm_movemask_pd
+);
 vector_mask!(
     MaskD4,
     4,
@@ -824,8 +832,7 @@ impl Doubles for F64x8 {
         let mut out = [Self::zero(); 4];
         for c in 0..4 {
             // SAFETY: the machine has the instructions (see the header); AVX-512F includes AVX2.
-            out[c] =
-                Self(unsafe { _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[c].0), high[c].0) });
+            out[c] = Self(unsafe { _mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low[c].0), high[c].0) });
         }
         out
     }

@@ -146,6 +146,38 @@ proptest! {
     }
 }
 
+proptest! {
+    /// Kinds change neither colours nor who is refused; within a colour the rows of a kind lie together, in the order in which they came, where
+    /// they were said to be; overflow rows keep their order.
+    #[test]
+    fn rows_of_a_kind_lie_together((items, pushes) in pushes(1..40, 0..400), seed in any::<u32>()) {
+        let kind_of = |i: usize| ((seed.wrapping_mul(2 * i as u32 + 1) >> 13) % 5) as usize;
+        let (plain, colors) = fill(items, &pushes);
+        let mut sets = ColorSets::new();
+        for _ in 0..2 {
+            sets.reset(items as usize);
+            let push = |(i, &(a, b)): (usize, &(u32, u32))| sets.push_kind(kind_of(i), a, b, i as u32);
+            let places: Vec<_> = pushes.iter().enumerate().map(push).collect();
+            sets.close();
+            for (i, (place, color)) in places.iter().zip(&colors).enumerate() {
+                prop_assert_eq!(place.map(|p| p.0), color.map(|c| c.0));
+                let Some((color, kind, row)) = *place else { continue };
+                let (color, kind) = (usize::from(color), usize::from(kind));
+                let late = color == ColorSets::COLORS;
+                prop_assert_eq!(kind, if late { 0 } else { kind_of(i).min(ColorSets::KINDS - 1) });
+                let at = sets.starts()[color][kind] + row;
+                prop_assert_eq!(sets.rows(color)[at as usize].payload() as usize, i);
+            }
+            for color in 0..ColorSets::COLORS {
+                let key = |r: &jounce_tasks::Row| (kind_of(r.payload() as usize).min(ColorSets::KINDS - 1), r.payload());
+                prop_assert!(sets.rows(color).is_sorted_by_key(key));
+                prop_assert_eq!(sets.rows(color).len(), plain.rows(color).len());
+            }
+            prop_assert_eq!(sets.overflow(), plain.overflow());
+        }
+    }
+}
+
 #[test]
 fn rows_with_two_written_items_fill_from_below_and_those_with_one_from_above() {
     let mut sets = ColorSets::new();

@@ -366,17 +366,22 @@ mod tests {
     fn manifolds_have_places() {
         let counts = [1, 0, 3, 1, 2, 0, 4];
         let mut places = Places::default();
+        let starts =
+            core::array::from_fn(|color| core::array::from_fn(|kind| 100 * (7 * color + kind) as u32));
         for _ in 0..2 {
             places.begin(counts.len());
             for (contact, &n) in counts.iter().enumerate() {
                 for k in 0..n {
-                    places.push(contact, k, RowPlace { color: k as u8, kind: 0, row: 10 * contact as u32 });
+                    let (color, kind) = (k as u8, (contact % 4) as u8);
+                    places.push(contact, k, RowPlace { color, kind, row: 10 * contact as u32 });
                 }
             }
+            places.close(&starts);
             for (contact, &n) in counts.iter().enumerate() {
                 for k in 0..n {
                     let place = places.get(contact, k).map(|p| (p.color, p.row));
-                    assert_eq!(place, Some((k as u8, 10 * contact as u32)));
+                    let row = 10 * contact + 100 * (7 * k + contact % 4);
+                    assert_eq!(place, Some((k as u8, row as u32)));
                 }
                 assert!(n > 0 || places.get(contact, 0).is_none() && places.get(contact, 1).is_none());
             }

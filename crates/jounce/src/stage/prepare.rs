@@ -198,3 +198,33 @@ fn color(world: &mut World) {
     };
     world.tasks.join(color, load);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::room::contacts::state::ContactManifold;
+    use crate::{BodyDesc, ShapeDesc, WorldDesc};
+
+    /// Every manifold's row has as many points as its kind says, whether or not the contact has others.
+    #[test]
+    fn kinds_are_numbers_of_points() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        let ball = ShapeDesc::sphere(0.5);
+        w.add_body(BodyDesc::fixed().shape(ball.clone())).expect("valid");
+        w.add_body(BodyDesc::dynamic().at([0.0, 0.9, 0.0]).shape(ball)).expect("valid");
+        w.step().expect("valid");
+        let mut c = w.contacts[0].clone();
+        let with = |count: usize| ContactManifold { count: count as u8, ..ContactManifold::NOTHING };
+        for first in 1..=4 {
+            c.manifold = ContactManifold { more: false, ..with(first) };
+            assert_eq!(Points::of(&c).kind(0), first - 1);
+            c.manifold.more = true;
+            c.rest = (0..39).map(|i| with(1 + (i * 7 + first) % 4)).collect();
+            let points = Points::of(&c);
+            for (k, m) in c.manifolds().enumerate() {
+                let expected = if k < 32 { usize::from(m.count) - 1 } else { 3 };
+                assert_eq!(points.kind(k as u32), expected, "{first} {k}");
+            }
+        }
+    }
+}

@@ -114,7 +114,9 @@ impl Bodies {
                 let (mut turn, mut spin_most, mut n) = ([0; BODIES], [0.0; BODIES], 0);
                 for (i, (s, way)) in states.iter().zip(ways).enumerate().filter(|(_, (s, w))| w.turns(s)) {
                     let slot = steps[first + i].body;
-                    free::remember(s, &mut turning[i], || (&bodies[slot].mass, frames[slot as usize].rotation));
+                    free::remember(s, &mut turning[i], || {
+                        (&bodies[slot].mass, frames[slot as usize].rotation)
+                    });
                     (turn[n], spin_most[n]) = (i as u8, way.spin_most);
                     n += 1;
                 }
@@ -246,16 +248,7 @@ fn poses(world: &mut World, step: &Step) {
         for (i, (s, b)) in states.iter_mut().zip(steps).enumerate() {
             if let Some(frame) = frames.get(first + i, b.body as usize) {
                 let precise = turning[i].as_ref().filter(|_| turned[i]).map(|t| t.rotation);
-                rigid::finish(
-                    s,
-                    b,
-                    precise,
-                    &mut inertia[i],
-                    frame,
-                    &bodies[b.body],
-                    step.dt,
-                    &limits,
-                );
+                rigid::finish(s, b, precise, &mut inertia[i], frame, &bodies[b.body], step.dt, &limits);
             }
         }
     });

@@ -196,3 +196,82 @@ pub(crate) fn raise<I: Iterator<Item = u32>>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::room::rigid::state::NONE;
+    use crate::{BodyDesc, ShapeDesc, World, WorldDesc};
+
+    /// Bodies that touch one another at random, some of them the ground, some on joints: raised bodies that nothing holds take all they hang together
+    /// with along, by the most of them; held ones are raised alone, and what pulls at them is divided. Found here by going over all pairs
+    /// until nothing changes.
+    #[test]
+    fn what_is_held_is_raised_alone() {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        for i in 0..60 {
+            let at = [3.0 * f64::from(i), 0.0, 0.0];
+            w.add_body(BodyDesc::dynamic().at(at).shape(ShapeDesc::sphere(0.5))).expect("valid");
+        }
+        let mut state = 5_u32;
+        let mut random = |n: u32| {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            (state >> 16) % n
+        };
+        let (mut alone, mut together) = (0, 0);
+        for round in 0..40 {
+            let mut awake = w.awake.clone();
+            let n = awake.step.len() as u32;
+            let mut pairs: Vec<[u32; 2]> =
+                (0..20 + round).map(|_| [random(n), random(n)]).filter(|p| p[0] != p[1]).collect();
+            pairs.extend((0..6).map(|_| [random(n), NONE]));
+            let hung: Vec<u32> = (0..3).map(|_| random(n)).collect();
+            for b in &mut awake.step {
+                b.acceleration = Vec3::new(0.0, -8.0, 0.0);
+                // Twice what is left of it now.
+                b.raised = if random(4) == 0 { 2.0 * (2 + random(3)) as f32 } else { 1.0 };
+            }
+            let was: Vec<f32> = awake.step.iter().map(|b| f32s::max(b.raised * FALL, 1.0)).collect();
+            let mut most = was.clone();
+            let mut held: Vec<bool> = (0..n).map(|row| hung.contains(&row)).collect();
+            for _ in 0..n {
+                for p in &pairs {
+                    let [a, b] = p.map(|row| row as usize);
+                    if p[1] == NONE {
+                        held[a] = true;
+                        continue;
+                    }
+                    (held[a], held[b]) = (held[a] || held[b], held[a] || held[b]);
+                    (most[a], most[b]) = (most[a].max(most[b]), most[a].max(most[b]));
+                }
+            }
+            let row_of: Vec<u32> = awake.step.iter().map(|b| b.body).collect();
+            let row = |body: u32| row_of.iter().position(|&b| b == body).expect("a body") as u32;
+            let touches = |body: u32| {
+                let row = row(body);
+                let other = move |p: &[u32; 2]| match *p {
+                    [a, b] if a == row => Some(b),
+                    [a, b] if b == row => Some(a),
+                    _ => None,
+                };
+                pairs.iter().filter_map(other)
+            };
+            let mut loads = Loads::default();
+            loads.begin(n as usize);
+            let before = awake.inertia.clone();
+            let hangs = |body| hung.contains(&row(body));
+            let numbers = [10.0, 0.005, 200.0, 1.0 / 60.0];
+            raise(&Tasks::serial(), touches, &mut awake, |_| true, hangs, &mut loads, numbers);
+            for i in 0..n as usize {
+                let expected = if held[i] { was[i] } else { most[i] };
+                assert_eq!(awake.step[i].raised, expected, "{round} {i}");
+                assert_eq!(awake.inertia[i].inv_mass, before[i].inv_mass * (1.0 / expected), "{round} {i}");
+                let part = if held[i] { 1.0 / expected } else { 1.0 };
+                assert_eq!(awake.step[i].acceleration.y, -8.0 * part, "{round} {i}");
+                alone += i32::from(held[i] && was[i] > 1.0);
+                together += i32::from(!held[i] && was[i] == 1.0 && expected > 1.0);
+            }
+        }
+        assert!(alone > 100 && together > 30, "{alone} {together}");
+    }
+}

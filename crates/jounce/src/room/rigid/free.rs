@@ -392,11 +392,7 @@ struct Moments<D> {
 
 /// One turn: momentum, rotation of the principal axes, and the angular velocities before and after, world axes.
 #[inline(always)]
-fn turn<D: Doubles>(
-    body: &Moments<D>,
-    memories: &Memories<D>,
-    h: f32,
-) -> ([D; 3], Turn<D>, [D; 3], [D; 3]) {
+fn turn<D: Doubles>(body: &Moments<D>, memories: &Memories<D>, h: f32) -> ([D; 3], Turn<D>, [D; 3], [D; 3]) {
     let one = D::splat(1.0);
     let (m, q) = (body.moments, memories.q);
     let inv = [one / m[0], one / m[1], one / m[2]];
@@ -553,4 +549,170 @@ fn turn_by<D: Doubles>(r: [D; 3]) -> Turn<D> {
         done = done + one;
     }
     q
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BodyDesc, ShapeDesc, World, WorldDesc};
+    use jounce_lanes::{Width, dispatch};
+    use jounce_math::Vec3;
+
+    const H: f32 = 1.0 / 240.0;
+
+    /// Boxes of three different moments, with each axis the middle one, and of two, slow, fast and faster than they may be.
+    fn tops() -> World {
+        let mut w = World::new(WorldDesc::default()).expect("valid");
+        let sizes = [
+            [0.5, 0.2, 0.1],
+            [0.1, 0.5, 0.2],
+            [0.2, 0.1, 0.5],
+            [0.3, 0.3, 0.1],
+            [0.3, 0.1, 0.3],
+            [0.1, 0.3, 0.3],
+        ];
+        for i in 0..43_u32 {
+            let x = |k: u32| ((i * 7 + k * 5) % 11) as f32 - 5.0;
+            let spin = [1.0, 30.0, 400.0][i as usize % 3];
+            let d = BodyDesc::dynamic().at([f64::from(i) * 3.0, 0.0, 0.0]);
+            let d = d.shape(ShapeDesc::cuboid(sizes[i as usize % 6]));
+            let d = d.rotated(Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), x(6)));
+            let d = d.angular_velocity(Vec3::new(x(3), x(4), x(5) + 0.5) * spin);
+            w.add_body(d).expect("valid");
+        }
+        w
+    }
+
+    struct Tops {
+        w: World,
+        tops: Vec<Top>,
+        spin_most: Vec<f32>,
+        rows: Vec<u8>,
+    }
+
+    impl Tops {
+        fn new() -> Self {
+            let mut w = tops();
+            let n = w.awake.state.len();
+            let tops = w.awake.step.iter().map(|b| Top::new(b, &w.bodies[b.body].mass, H)).collect();
+            for row in 0..n {
+                let slot = w.awake.step[row].body;
+                let (mass, rotation) = (&w.bodies[slot].mass, w.frames[slot as usize].rotation);
+                remember(&w.awake.state[row], &mut w.awake.turning[row], || (mass, rotation));
+            }
+            let spin_most = (0..n).map(|i| if i % 5 == 0 { 20.0 } else { 1e6 }).collect();
+            Self { w, tops, spin_most, rows: (0..n as u8).collect() }
+        }
+        fn turn(&mut self, width: Width) {
+            let Self { w, tops, spin_most, rows } = self;
+            let free = Free { states: &mut w.awake.state, turning: &mut w.awake.turning, rows };
+            dispatch(width, Turns { free, tops, spin_most, h: H });
+        }
+        fn end(&mut self, width: Width) {
+            let free = Free {
+                states: &mut self.w.awake.state,
+                turning: &mut self.w.awake.turning,
+                rows: &self.rows,
+            };
+            dispatch(width, Ends { free, steps: &self.w.awake.step, bodies: &self.w.bodies });
+        }
+        /// What a contact does.
+        fn push(&mut self, i: usize) {
+            let s = &mut self.w.awake.state[i];
+            s.set_velocity(s.v(), s.w() + Vec3::new(0.3, -0.2, 0.1));
+        }
+        fn bits(&self) -> Vec<u64> {
+            let mut out = Vec::new();
+            for (s, t) in self.w.awake.state.iter().zip(&self.w.awake.turning) {
+                out.extend(s.hot.iter().chain(&s.motion).map(|x| u64::from(x.to_bits())));
+                let t = t.as_ref().expect("a memory");
+                let f64s = [t.momentum.x, t.momentum.y, t.momentum.z];
+                out.extend(
+                    f64s.iter().chain(&t.q.to_array()).chain(&t.frozen.to_array()).map(|x| x.to_bits()),
+                );
+                let f32s =
+                    t.rotation.to_array().into_iter().chain(t.dq.to_array()).chain([t.w.x, t.w.y, t.w.z]);
+                out.extend(f32s.map(|x| u64::from(x.to_bits())));
+            }
+            out
+        }
+    }
+
+    /// Lanes of every width turn, and end a step, as one by one: whoever stands beside whom, and whether all of a chunk turn or some.
+    #[test]
+    fn lanes_turn_as_one_by_one() {
+        let run = |width: Width, groups: &[fn(usize) -> bool]| {
+            let mut tops = Tops::new();
+            let all = (tops.rows.clone(), tops.spin_most.clone());
+            for round in 0..6 {
+                for group in groups {
+                    let picked: Vec<usize> = (0..all.0.len()).filter(|i| group(*i)).collect();
+                    tops.rows = picked.iter().map(|&i| all.0[i]).collect();
+                    tops.spin_most = picked.iter().map(|&i| all.1[i]).collect();
+                    tops.turn(width);
+                    if round == 3 {
+                        picked.iter().filter(|&&i| i % 3 == 1).for_each(|&i| tops.push(i));
+                        tops.end(width);
+                    }
+                }
+                (0..all.0.len()).filter(|i| i % 4 == 1).for_each(|i| tops.push(i));
+            }
+            tops.bits()
+        };
+        let expected = run(Width::X1, &[|_| true]);
+        for width in Width::ALL {
+            assert_eq!(run(width, &[|_| true]), expected, "{width}");
+            assert_eq!(run(width, &[|i| i % 2 == 0, |i| i % 2 == 1]), expected, "{width}");
+            assert_eq!(run(width, &[|i| i < 5, |i| i >= 5]), expected, "{width}");
+        }
+    }
+
+    /// Angular momentum and energy are those of the start; what comes through the frozen inertia is taken over as momentum; spin is cut.
+    #[test]
+    fn turns_keep_momentum_and_energy() {
+        let mut tops = Tops::new();
+        let momentum = |tops: &Tops, i: usize| tops.w.awake.turning[i].as_ref().expect("a memory").momentum;
+        let moments = |tops: &Tops, i: usize| tops.w.bodies[tops.w.awake.step[i].body].mass.moments;
+        let energy = |tops: &Tops, i: usize| {
+            let t = tops.w.awake.turning[i].as_ref().expect("a memory");
+            let l = t.q.inverse_rotate(t.momentum);
+            let m = moments(tops, i);
+            0.5 * (l.x * l.x / m.x + l.y * l.y / m.y + l.z * l.z / m.z)
+        };
+        let n = tops.rows.len();
+        let before: Vec<_> = (0..n).map(|i| (momentum(&tops, i), energy(&tops, i))).collect();
+        let spins: Vec<f32> = tops.w.awake.state.iter().map(|s| s.w().length()).collect();
+        for _ in 0..240 {
+            tops.turn(Width::native());
+        }
+        let (mut cut, mut slow) = (0, 0);
+        for i in 0..n {
+            let (l, e) = before[i];
+            let (now, energy) = (momentum(&tops, i), energy(&tops, i));
+            if spins[i] > tops.spin_most[i] {
+                let size = (2.0 * energy / moments(&tops, i).min_component()).sqrt();
+                assert!(now.length() < l.length() && size >= f64::from(tops.spin_most[i]) * 0.99, "{i}");
+                cut += 1;
+                continue;
+            }
+            assert!((now - l).length() <= 1e-12 * l.length(), "{i}: {l:?} {now:?}");
+            // Splitting in two keeps energy within the square of the turn of a substep.
+            let turn = f64::from(spins[i] * H);
+            assert!((energy - e).abs() <= (0.02 * turn * turn + 1e-9) * e, "{i}: {e} {energy}, turn {turn}");
+            slow += 1;
+        }
+        assert!(cut > 3 && slow > 25, "{cut} {slow}");
+        let gain = Vec3::new(0.3, -0.2, 0.1).as_dvec3();
+        for i in 0..n {
+            let t = tops.w.awake.turning[i].as_ref().expect("a memory");
+            let expected = t.momentum + t.frozen.rotate(t.frozen.inverse_rotate(gain).mul(moments(&tops, i)));
+            tops.push(i);
+            let at = tops.rows.clone();
+            tops.rows = vec![i as u8];
+            tops.end(Width::native());
+            tops.rows = at;
+            let now = momentum(&tops, i);
+            assert!((now - expected).length() <= 1e-6 * expected.length(), "{i}: {now:?} {expected:?}");
+        }
+    }
 }

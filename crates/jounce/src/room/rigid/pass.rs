@@ -216,7 +216,7 @@ mod tests {
     use super::*;
     use crate::room::rigid::solve::{Substep, integrate_position};
     use crate::room::rigid::state::BodyFrame;
-    use crate::{BodyDesc, ShapeDesc, World, WorldDesc};
+    use crate::{AxisLocks, BodyDesc, ShapeDesc, World, WorldDesc};
     use jounce_lanes::{Width, dispatch};
     use jounce_math::Vec3;
 
@@ -233,6 +233,7 @@ mod tests {
             let spin = if i % 7 == 0 { 400.0 } else { 1.0 };
             let d = d.velocity(Vec3::new(x(0), x(1), x(2)) * fast);
             let d = d.angular_velocity(Vec3::new(x(3), x(4), x(5)) * spin);
+            let d = if i % 9 == 2 { d.locks(AxisLocks::PLANE_XY) } else { d };
             w.add_body(d).expect("valid");
         }
         let limits = SpeedLimits { speed: 1000.0, spin: 8.0, spin_jointed: 100.0 };
@@ -246,12 +247,21 @@ mod tests {
         );
         let mut expected = a.state.clone();
         let frames: &[BodyFrame] = &w.frames;
+        let mut turned = 0;
         for _ in 0..3 {
             for (i, s) in expected.iter_mut().enumerate().filter(|(i, s)| !ways[*i].goes_alone(s, h)) {
-                let sub = Substep { h, limits };
-                integrate_position(s, &a.step[i], &mut None, &w.bodies, frames, &sub);
+                let (sub, mut to) = (Substep { h, limits }, *s);
+                integrate_position(&mut to, &a.step[i], &mut None, &w.bodies, frames, &sub);
+                if ways[i].turns(s) {
+                    // Its turn comes after the way.
+                    (to.hot[3..6]).copy_from_slice(&s.hot[3..6]);
+                    (to.motion[1..]).copy_from_slice(&s.motion[1..]);
+                    turned += 1;
+                }
+                *s = to;
             }
         }
+        assert!(turned > 6);
         for width in Width::ALL {
             let mut states = a.state.clone();
             for _ in 0..3 {
