@@ -632,6 +632,7 @@ sugar! {
 mod tests {
     use crate::room::contacts::rows::{Block, LANES};
     use crate::room::contacts::state::{Contact, PairHead, ShapeRecord};
+    use crate::room::rigid::free::Top;
     use crate::room::rigid::pass::{Drive, Pushed, Way};
     use crate::room::rigid::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia, Turning};
     use core::mem::size_of;
@@ -646,12 +647,13 @@ mod tests {
             + size_of::<BodyStep>()
             + size_of::<Option<Turning>>()
             + size_of::<InvInertia>();
-        let scratch = size_of::<Pushed>() + size_of::<Drive>() + size_of::<Way>() + 4;
+        let scratch =
+            size_of::<Pushed>() + size_of::<Drive>() + size_of::<Way>() + size_of::<Top>() + 4;
         let shape = size_of::<ShapeRecord>();
         let bounds = 2 * size_of::<Aabb>();
         let contact = size_of::<Contact>() + size_of::<PairHead>();
         let row = size_of::<Block>().div_ceil(LANES);
         let sizes = [cold, frame, awake, scratch, shape, bounds, contact, row];
-        assert_eq!(sizes, [432, 120, 440, 140, 256, 48, 608, 464]);
+        assert_eq!(sizes, [432, 120, 440, 172, 256, 48, 608, 464]);
     }
 }

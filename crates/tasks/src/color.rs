@@ -16,8 +16,8 @@
 //! all items it writes, and then sets it, and refuses a row that names one item twice: hence **within a colour, each
 //! item is written by at most one row**. Bit 31 marks items that are only read: it is set by a row that names the item
 //! as [`shared`](ColorSets::shared), and excludes every other bit: hence **no row reads an item that a row of the same
-//! set writes, unless it is its own**. Rows and masks are private and change only through `push` and `reset`, which
-//! cannot be called during a stage because that borrows the set. `push` refuses indices outside `0..items`, and
+//! set writes, unless it is its own**. Rows and masks are private and change only through `push`, `close` (which moves
+//! rows within a colour) and `reset`, which cannot be called during a stage because that borrows the set. `push` refuses indices outside `0..items`, and
 //! [`ColorSets::scatter`] refuses a slice shorter than that. Each unit of the stage gets a [`Scatter`] for its own rows
 //! alone, and [`Scatter`] checks every row it is asked for against them and hands out mutable access only through
 //! `&mut self`. So no two threads, and no two live references, reach an item that one of them may write.

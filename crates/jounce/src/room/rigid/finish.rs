@@ -5,7 +5,8 @@ use super::solve::SpeedLimits;
 use super::state::{Body, BodyFrame, BodyState, BodyStep, InvInertia};
 use jounce_math::{Quat, Vec3, scalar::f32s};
 
-/// New pose (`precise` is the rotation of what turned freely) and inertia; spends the force accumulators; judges rest by the motion of the farthest point.
+/// New pose (`precise` is the rotation of what turned freely) and inertia; spends the force accumulators; judges rest by the motion of the
+/// farthest point.
 pub(crate) fn finish(
     state: &mut BodyState,
     b: &mut BodyStep,
