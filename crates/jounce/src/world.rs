@@ -647,8 +647,7 @@ mod tests {
             + size_of::<BodyStep>()
             + size_of::<Option<Turning>>()
             + size_of::<InvInertia>();
-        let scratch =
-            size_of::<Pushed>() + size_of::<Drive>() + size_of::<Way>() + size_of::<Top>() + 4;
+        let scratch = size_of::<Pushed>() + size_of::<Drive>() + size_of::<Way>() + size_of::<Top>() + 4;
         let shape = size_of::<ShapeRecord>();
         let bounds = 2 * size_of::<Aabb>();
         let contact = size_of::<Contact>() + size_of::<PairHead>();
