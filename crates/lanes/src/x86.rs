@@ -346,25 +346,24 @@ unsafe fn mul4(a: __m128i, b: __m128i) -> __m128i {
     }
 }
 
-/// What is spelt alike for the three sets. `MINPS` and `MAXPS` give their second operand for NaN and for two zeros,
-/// which is compare-and-select.
+/// What is spelt alike for all sets and both kinds of floats.
 macro_rules! common {
-    ($width:literal, $set1:ident, $load:ident, $store:ident, $sqrt:ident, $min:ident, $max:ident) => {
+    ($float:ident, $width:literal, $set1:ident, $load:ident, $store:ident, $sqrt:ident) => {
         const WIDTH: usize = $width;
 
         #[inline(always)]
-        fn splat(x: f32) -> Self {
+        fn splat(x: $float) -> Self {
             // SAFETY: the machine has the instructions (see the header).
             Self(unsafe { $set1(x) })
         }
         #[inline(always)]
-        fn load(from: &[f32]) -> Self {
+        fn load(from: &[$float]) -> Self {
             let from = &from[..$width];
             // SAFETY: the machine has the instructions (see the header), and the slice is as long as the load.
             Self(unsafe { $load(from.as_ptr()) })
         }
         #[inline(always)]
-        fn store(self, to: &mut [f32]) {
+        fn store(self, to: &mut [$float]) {
             let to = &mut to[..$width];
             // SAFETY: the machine has the instructions (see the header), and the slice is as long as the store.
             unsafe { $store(to.as_mut_ptr(), self.0) }
@@ -374,6 +373,12 @@ macro_rules! common {
             // SAFETY: the machine has the instructions (see the header).
             Self(unsafe { $sqrt(self.0) })
         }
+    };
+}
+
+/// `MINPS` and `MAXPS` give their second operand for NaN and for two zeros, which is compare-and-select.
+macro_rules! extremes {
+    ($min:ident, $max:ident) => {
         #[inline(always)]
         fn min(self, other: Self) -> Self {
             // SAFETY: the machine has the instructions (see the header).
@@ -397,7 +402,8 @@ impl Lanes for F32x4 {
         // SAFETY: the machine has the instructions (see the header).
         U32x4(unsafe { _mm_castps_si128(self.0) })
     }
-    common!(4, _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps);
+    common!(f32, 4, _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_sqrt_ps);
+    extremes!(_mm_min_ps, _mm_max_ps);
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -463,15 +469,8 @@ impl Lanes for F32x8 {
         // SAFETY: the machine has the instructions (see the header).
         U32x8(unsafe { _mm256_castps_si256(self.0) })
     }
-    common!(
-        8,
-        _mm256_set1_ps,
-        _mm256_loadu_ps,
-        _mm256_storeu_ps,
-        _mm256_sqrt_ps,
-        _mm256_min_ps,
-        _mm256_max_ps
-    );
+    common!(f32, 8, _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_sqrt_ps);
+    extremes!(_mm256_min_ps, _mm256_max_ps);
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -540,15 +539,8 @@ impl Lanes for F32x16 {
         // SAFETY: the machine has the instructions (see the header).
         U32x16(unsafe { _mm512_castps_si512(self.0) })
     }
-    common!(
-        16,
-        _mm512_set1_ps,
-        _mm512_loadu_ps,
-        _mm512_storeu_ps,
-        _mm512_sqrt_ps,
-        _mm512_min_ps,
-        _mm512_max_ps
-    );
+    common!(f32, 16, _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_sqrt_ps);
+    extremes!(_mm512_min_ps, _mm512_max_ps);
 
     #[inline(always)]
     fn abs(self) -> Self {
@@ -696,35 +688,11 @@ unsafe fn transpose8(rows: [F32x8; 8]) -> [F32x8; 8] {
     }
 }
 
-/// What is spelt alike for the doubles of the three sets.
-macro_rules! common_doubles {
-    ($mask:ident, $width:literal, $set1:ident, $load:ident, $store:ident, $sqrt:ident, $abs:expr, $lt:expr, $le:expr, $eq:expr,
-        $select:expr) => {
+/// What of doubles is spelt alike for the three sets beside that.
+macro_rules! doubles {
+    ($mask:ident, $abs:expr, $lt:expr, $le:expr, $eq:expr, $select:expr) => {
         type Mask = $mask;
-        const WIDTH: usize = $width;
 
-        #[inline(always)]
-        fn splat(x: f64) -> Self {
-            // SAFETY: the machine has the instructions (see the header).
-            Self(unsafe { $set1(x) })
-        }
-        #[inline(always)]
-        fn load(from: &[f64]) -> Self {
-            let from = &from[..$width];
-            // SAFETY: the machine has the instructions (see the header), and the slice is as long as the load.
-            Self(unsafe { $load(from.as_ptr()) })
-        }
-        #[inline(always)]
-        fn store(self, to: &mut [f64]) {
-            let to = &mut to[..$width];
-            // SAFETY: the machine has the instructions (see the header), and the slice is as long as the store.
-            unsafe { $store(to.as_mut_ptr(), self.0) }
-        }
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            // SAFETY: the machine has the instructions (see the header).
-            Self(unsafe { $sqrt(self.0) })
-        }
         #[inline(always)]
         fn abs(self) -> Self {
             // SAFETY: the machine has the instructions (see the header).
@@ -754,13 +722,9 @@ macro_rules! common_doubles {
 }
 
 impl Doubles for F64x2 {
-    common_doubles!(
+    common!(f64, 2, _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_sqrt_pd);
+    doubles!(
         MaskD2,
-        2,
-        _mm_set1_pd,
-        _mm_loadu_pd,
-        _mm_storeu_pd,
-        _mm_sqrt_pd,
         |x| _mm_andnot_pd(_mm_set1_pd(-0.0), x),
         _mm_cmplt_pd,
         _mm_cmple_pd,
@@ -770,13 +734,9 @@ impl Doubles for F64x2 {
 }
 
 impl Doubles for F64x4 {
-    common_doubles!(
+    common!(f64, 4, _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_sqrt_pd);
+    doubles!(
         MaskD4,
-        4,
-        _mm256_set1_pd,
-        _mm256_loadu_pd,
-        _mm256_storeu_pd,
-        _mm256_sqrt_pd,
         |x| _mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
         _mm256_cmp_pd::<_CMP_LT_OQ>,
         _mm256_cmp_pd::<_CMP_LE_OQ>,
@@ -805,13 +765,9 @@ impl Doubles for F64x4 {
 }
 
 impl Doubles for F64x8 {
-    common_doubles!(
+    common!(f64, 8, _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_sqrt_pd);
+    doubles!(
         MaskD8,
-        8,
-        _mm512_set1_pd,
-        _mm512_loadu_pd,
-        _mm512_storeu_pd,
-        _mm512_sqrt_pd,
         _mm512_abs_pd,
         _mm512_cmp_pd_mask::<_CMP_LT_OQ>,
         _mm512_cmp_pd_mask::<_CMP_LE_OQ>,

@@ -1,6 +1,9 @@
 //! Each operation gives the same bits in every width, on instructions and on arrays, as scalar code.
 //! On 1e6 pairs of random bit patterns, and with `JOUNCE_PROVE=1` on 1e8.
 
+mod common;
+
+use common::Random;
 use jounce_lanes::{Bits, Kernel, LANES_MAX, Lanes, Mask, Width, dispatch, dispatch_arrays};
 
 /// Where implementations tend to differ: signed zeros, the ends of the subnormals, infinities, quiet and signalling NaN.
@@ -31,26 +34,14 @@ const SPECIAL: [u32; 24] = [
     0x5f37_59df,
 ];
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    }
-
-    /// Any bit pattern; one in four a special one, one in four of ordinary size.
-    fn float(&mut self) -> f32 {
-        let bits = self.next();
-        f32::from_bits(match bits >> 62 {
-            0 => SPECIAL[(bits % 24) as usize],
-            1 => (bits as u32 & 0x807f_ffff) | ((120 + (bits >> 32) as u32 % 16) << 23),
-            _ => bits as u32,
-        })
-    }
+/// Any bit pattern; one in four a special one, one in four of ordinary size.
+fn float(random: &mut Random) -> f32 {
+    let bits = random.next();
+    f32::from_bits(match bits >> 62 {
+        0 => SPECIAL[(bits % 24) as usize],
+        1 => (bits as u32 & 0x807f_ffff) | ((120 + (bits >> 32) as u32 % 16) << 23),
+        _ => bits as u32,
+    })
 }
 
 const ARITHMETIC: [&str; 5] = ["+", "-", "*", "/", "sqrt"];
@@ -212,7 +203,10 @@ fn operations_on_random_bits() {
             s.spawn(move || {
                 let mut random = Random(1 + ((thread as u64) << 48));
                 for _ in 0..(pairs / LANES_MAX).div_ceil(threads) {
-                    check(&std::array::from_fn(|_| random.float()), &std::array::from_fn(|_| random.float()));
+                    check(
+                        &std::array::from_fn(|_| float(&mut random)),
+                        &std::array::from_fn(|_| float(&mut random)),
+                    );
                 }
             });
         }
@@ -242,12 +236,12 @@ impl Kernel for Compare<'_> {
 fn masks_as_bits() {
     let mut random = Random(2);
     for round in 0..2000 {
-        let a: [f32; LANES_MAX] = std::array::from_fn(|_| random.float());
+        let a: [f32; LANES_MAX] = std::array::from_fn(|_| float(&mut random));
         // All true, all false and mixed.
         let b = match round % 3 {
             0 => a.map(|a| if a.is_nan() { a } else { f32::INFINITY }),
             1 => [f32::NAN; LANES_MAX],
-            _ => std::array::from_fn(|_| random.float()),
+            _ => std::array::from_fn(|_| float(&mut random)),
         };
         let whole = (0..LANES_MAX).fold(0, |bits, i| bits | u32::from(a[i] <= b[i]) << i);
         for width in Width::ALL.into_iter().filter(|w| *w <= Width::native()) {
@@ -289,7 +283,8 @@ impl Kernel for Transpose<'_> {
 fn gather_and_scatter_transpose() {
     let mut random = Random(3);
     for _ in 0..1000 {
-        let rows: [[f32; 8]; LANES_MAX] = std::array::from_fn(|_| std::array::from_fn(|_| random.float()));
+        let rows: [[f32; 8]; LANES_MAX] =
+            std::array::from_fn(|_| std::array::from_fn(|_| float(&mut random)));
         for width in Width::ALL.into_iter().filter(|w| *w <= Width::native()) {
             for (columns, back) in
                 [dispatch(width, Transpose(&rows)), dispatch_arrays(width, Transpose(&rows))]

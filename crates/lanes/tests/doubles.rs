@@ -1,5 +1,8 @@
 //! Each operation on `f64` lanes gives the same bits in every width as scalar code, and rows come back as they were gathered.
 
+mod common;
+
+use common::Random;
 use jounce_lanes::{DOUBLES_MAX, Doubles, Kernel, Lanes, Mask, Width, dispatch, dispatch_arrays};
 
 /// Where implementations tend to differ: signed zeros, subnormals, the ends of the range, infinities, quiet and signalling NaN.
@@ -22,26 +25,14 @@ const SPECIAL: [u64; 16] = [
     0x7ff0_0000_0000_0001,
 ];
 
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
-    }
-
-    /// Any bit pattern; one in four a special one, one in four of ordinary size.
-    fn double(&mut self) -> f64 {
-        let bits = self.next();
-        f64::from_bits(match bits >> 62 {
-            0 => SPECIAL[(bits % 16) as usize],
-            1 => (bits & 0x800f_ffff_ffff_ffff) | ((1016 + (bits >> 52) % 16) << 52),
-            _ => self.next(),
-        })
-    }
+/// Any bit pattern; one in four a special one, one in four of ordinary size.
+fn double(random: &mut Random) -> f64 {
+    let bits = random.next();
+    f64::from_bits(match bits >> 62 {
+        0 => SPECIAL[(bits % 16) as usize],
+        1 => (bits & 0x800f_ffff_ffff_ffff) | ((1016 + (bits >> 52) % 16) << 52),
+        _ => random.next(),
+    })
 }
 
 const NAMES: [&str; 14] =
@@ -176,13 +167,13 @@ fn operations_on_special_values() {
 fn operations_on_random_bits() {
     let mut random = Random(7);
     for round in 0..30_000 {
-        let a: [f64; DOUBLES_MAX] = std::array::from_fn(|_| random.double());
+        let a: [f64; DOUBLES_MAX] = std::array::from_fn(|_| double(&mut random));
         // All less, all equal, mixed.
         let b = match round % 4 {
             0 => a.map(|_| f64::INFINITY),
             1 => a,
-            _ => std::array::from_fn(|_| random.double()),
+            _ => std::array::from_fn(|_| double(&mut random)),
         };
-        check(&a, &b, &std::array::from_fn(|_| std::array::from_fn(|_| random.double())));
+        check(&a, &b, &std::array::from_fn(|_| std::array::from_fn(|_| double(&mut random))));
     }
 }

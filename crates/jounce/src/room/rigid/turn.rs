@@ -70,34 +70,24 @@ impl<T: Number> Turn<T> {
     }
 }
 
-/// As `normalize` of `Quat`.
-#[inline(always)]
-pub(crate) fn normalize<L: Lanes>(q: Turn<L>) -> Turn<L> {
-    let [x, y, z, w] = q.0;
-    let l = (x * x + y * y + z * z + w * w).sqrt();
-    let fine = l.gt(L::splat(f32::MIN_POSITIVE)) & l.le(L::splat(f32::MAX));
-    let (one, zero) = (L::splat(1.0), L::zero());
-    let s = one / l;
-    Turn([
-        L::select(fine, x * s, zero),
-        L::select(fine, y * s, zero),
-        L::select(fine, z * s, zero),
-        L::select(fine, w * s, one),
-    ])
+macro_rules! normalize {
+    ($name:ident, $wide:ident, $float:ident) => {
+        /// As `normalize` of the quaternions.
+        #[inline(always)]
+        pub(crate) fn $name<L: $wide>(q: Turn<L>) -> Turn<L> {
+            let [x, y, z, w] = q.0;
+            let l = (x * x + y * y + z * z + w * w).sqrt();
+            let fine = l.gt(L::splat($float::MIN_POSITIVE)) & l.le(L::splat($float::MAX));
+            let (one, zero) = (L::splat(1.0), L::zero());
+            let s = one / l;
+            Turn([
+                L::select(fine, x * s, zero),
+                L::select(fine, y * s, zero),
+                L::select(fine, z * s, zero),
+                L::select(fine, w * s, one),
+            ])
+        }
+    };
 }
-
-/// As `normalize` of `DQuat`.
-#[inline(always)]
-pub(crate) fn normalize_doubles<D: Doubles>(q: Turn<D>) -> Turn<D> {
-    let [x, y, z, w] = q.0;
-    let l = (x * x + y * y + z * z + w * w).sqrt();
-    let fine = l.gt(D::splat(f64::MIN_POSITIVE)) & l.le(D::splat(f64::MAX));
-    let (one, zero) = (D::splat(1.0), D::zero());
-    let s = one / l;
-    Turn([
-        D::select(fine, x * s, zero),
-        D::select(fine, y * s, zero),
-        D::select(fine, z * s, zero),
-        D::select(fine, w * s, one),
-    ])
-}
+normalize!(normalize, Lanes, f32);
+normalize!(normalize_doubles, Doubles, f64);
