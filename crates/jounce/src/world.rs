@@ -653,6 +653,6 @@ mod tests {
         let contact = size_of::<Contact>() + size_of::<PairHead>();
         let row = size_of::<Block>().div_ceil(LANES);
         let sizes = [cold, frame, awake, scratch, shape, bounds, contact, row];
-        assert_eq!(sizes, [432, 120, 440, 172, 256, 48, 608, 464]);
+        assert_eq!(sizes, [432, 120, 440, 172, 256, 48, 608, 368]);
     }
 }

@@ -52,6 +52,8 @@ pub(crate) struct Scratch {
     /// (contact row, manifold) by payload.
     pub rows: Vec<(u32, u32)>,
     pub places: Places,
+    /// By contact row: the block of the colour at hand that has a row of it; of some other, or of none, else.
+    pub owners: Vec<u32>,
     /// What the colouring asks of contacts that touch, one list per unit.
     pub outlines: Lists<prepare::Outline>,
     /// Rows or bodies that a unit has found, one list per unit.

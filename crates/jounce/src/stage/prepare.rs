@@ -136,7 +136,7 @@ impl Points {
 fn outline(world: &mut World) {
     let mut outlines = core::mem::take(&mut world.scratch.outlines);
     outlines.begin(world.contacts.len().div_ceil(CONTACTS), CONTACTS);
-    let columns = (&world.contacts[..], &world.heads[..]);
+    let columns = (&mut world.contacts[..], &world.heads[..]);
     world.tasks.for_each_piece(columns, CONTACTS, |first, (contacts, heads)| {
         let mut out = outlines.of(first / CONTACTS);
         for (i, h) in heads.iter().enumerate() {
@@ -146,7 +146,7 @@ fn outline(world: &mut World) {
                 prefetch(&ahead.manifold.normal);
             }
             if h.touching {
-                let c = &contacts[i];
+                let c = &mut contacts[i];
                 out.push(Outline {
                     contact: (first + i) as u32,
                     items: h.bodies.map(|b| world.items[b as usize]),
@@ -155,6 +155,8 @@ fn outline(world: &mut World) {
                     deep: c.deep,
                     load: load::Load::of(c),
                 });
+                // Its rows will say how fast it was in this step.
+                c.hit_speed = 0.0;
             }
         }
     });

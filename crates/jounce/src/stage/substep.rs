@@ -1,9 +1,10 @@
 //! The substeps: velocities, warm start, solve, positions, relax; then restitution and the impulses' way back.
 
-use super::{Step, articulated};
+use super::{Scratch, Step, articulated};
 use crate::event::Event;
-use crate::room::contacts::rows::LANES;
+use crate::room::contacts::rows::{Block, LANES, Outcome};
 use crate::room::contacts::solve::{Pass, Sweep};
+use crate::room::contacts::state::Contact;
 use crate::room::contacts::{finish, impact};
 use crate::room::rigid::finish as rigid;
 use crate::room::rigid::free::{self, Ends, Free, Top, Turns};
@@ -13,14 +14,10 @@ use crate::room::rigid::state::BodyState;
 use crate::world::World;
 use jounce_lanes::{Width, dispatch, prefetch};
 use jounce_math::scalar::f32s;
-use jounce_tasks::{ColorSets, Owning};
+use jounce_tasks::{ColorSets, Owning, Row};
 
 /// Bodies per unit; rows in one fit a byte.
 const BODIES: usize = 128;
-/// Contacts per unit.
-const CONTACTS: usize = 128;
-/// Contacts from the one whose results are read to the one whose results are asked for.
-const AHEAD: usize = 6;
 /// Blocks of rows per unit.
 const BLOCKS: usize = 4;
 
@@ -173,59 +170,70 @@ fn begin(world: &mut World, step: &Step) {
 /// Restitution, impulses back to the manifolds, motion back to the frames.
 pub(crate) fn finish(world: &mut World, step: &Step) {
     super::restitution::run(world, step);
-    collect(world);
-    let stick_speed = world.settings.stick_speed;
-    let mut contacts = core::mem::take(&mut world.contacts);
-    let (scratch, heads) = (&world.scratch, &world.heads);
-    let outcome = |contact: usize, manifold: usize| {
-        let place = scratch.places.get(contact, manifold)?;
-        let (block, lane) = place.lane();
-        scratch.blocks[usize::from(place.color)].get(block).map(|b| &b.results[lane])
-    };
-    world.tasks.for_each_chunk(&mut contacts, CONTACTS, |first, chunk| {
-        let touching = |i: usize| heads.get(first + i).is_some_and(|h| h.touching);
-        for i in 0..chunk.len() {
-            // Contacts and results lie anywhere: both are asked for ahead.
-            if let Some(c) = chunk.get(i + 2 * AHEAD).filter(|_| touching(i + 2 * AHEAD)) {
-                c.manifold.prefetch();
-                prefetch(&c.manifold.total_friction);
-            }
-            outcome(first + i + AHEAD, 0).into_iter().for_each(prefetch);
-            let c = &mut chunk[i];
-            if !touching(i) {
-                continue;
-            }
-            let mut fastest = 0.0;
-            for (k, m) in c.manifolds_mut().enumerate() {
-                if let Some(of) = outcome(first + i, k) {
-                    fastest = f32s::max(fastest, finish::store(m, of, stick_speed));
-                }
-            }
-            c.hit_speed = fastest;
-        }
-    });
-    world.contacts = contacts;
+    store(world);
     super::joints::finish(world, step);
     poses(world, step);
     super::vehicles::finish(world, step);
 }
 
-/// What the rows gave, row by row.
-fn collect(world: &mut World) {
-    let (scratch, width) = (&mut world.scratch, world.width);
-    let states = &world.awake.state;
-    for (color, blocks) in scratch.blocks.iter_mut().enumerate() {
-        let rows = scratch.colors.rows(color);
-        world.tasks.for_each(blocks, BLOCKS, |unit, block| {
-            let mut bodies = [[&BodyState::FIXED; LANES]; 2];
-            for (l, row) in rows[unit * LANES..].iter().enumerate().take(LANES) {
-                for (side, item) in bodies.iter_mut().zip([row.a(), row.b()]) {
-                    if let Some(i) = ColorSets::index(item) {
-                        side[l] = &states[i];
+/// What the rows gave goes back to their manifolds. Within a colour a contact has one row: others have the same bodies.
+fn store(world: &mut World) {
+    let (states, tasks, width) = (&world.awake.state, &world.tasks, world.width);
+    let stick_speed = world.settings.stick_speed;
+    let Scratch { blocks, colors, rows: manifolds, owners, .. } = &mut world.scratch;
+    let manifolds = &*manifolds;
+    let collect = |block: &Block, rows: &[Row]| {
+        let (mut bodies, mut out) = ([[&BodyState::FIXED; LANES]; 2], [Outcome::ZERO; LANES]);
+        for (l, row) in rows.iter().enumerate() {
+            for (side, item) in bodies.iter_mut().zip([row.a(), row.b()]) {
+                if let Some(i) = ColorSets::index(item) {
+                    side[l] = &states[i];
+                }
+            }
+        }
+        dispatch(width, finish::Collect { block, states: &bodies, out: &mut out });
+        out
+    };
+    let keep = |c: &mut Contact, manifold: u32, of: &Outcome| {
+        let hit = finish::store(c.get_mut(manifold as usize), of, stick_speed);
+        c.hit_speed = f32s::max(c.hit_speed, hit);
+    };
+    let contacts = &mut world.contacts;
+    owners.resize(contacts.len(), u32::MAX);
+    for (color, list) in blocks.iter_mut().enumerate().filter(|(_, list)| !list.is_empty()) {
+        let rows = colors.rows(color);
+        if color == ColorSets::COLORS {
+            for (block, rows) in list.iter().zip(rows.chunks(LANES)) {
+                for (row, of) in rows.iter().zip(&collect(block, rows)) {
+                    let (contact, manifold) = manifolds[row.payload() as usize];
+                    keep(&mut contacts[contact as usize], manifold, of);
+                }
+            }
+            continue;
+        }
+        for (i, row) in rows.iter().enumerate() {
+            owners[manifolds[row.payload() as usize].0 as usize] = (i / LANES) as u32;
+        }
+        let columns = (&list[..], Owning(&mut contacts[..], owners));
+        tasks.for_each_piece(columns, BLOCKS, |first, (blocks, mut contacts)| {
+            for (i, block) in blocks.iter().enumerate() {
+                let at = first + i;
+                let rows = &rows[at * LANES..rows.len().min((at + 1) * LANES)];
+                let of = |row: &Row| manifolds[row.payload() as usize];
+                // Contacts lie anywhere: they are asked for before what the rows gave is found.
+                for row in rows {
+                    if let Some(c) = contacts.get(at, of(row).0 as usize) {
+                        c.manifold.prefetch();
+                        prefetch(&c.manifold.total_friction);
+                    }
+                }
+                for (row, gave) in rows.iter().zip(&collect(block, rows)) {
+                    let (contact, manifold) = of(row);
+                    if let Some(c) = contacts.get(at, contact as usize) {
+                        keep(c, manifold, gave);
                     }
                 }
             }
-            dispatch(width, finish::Collect { block, states: &bodies });
         });
     }
 }

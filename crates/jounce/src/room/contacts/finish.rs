@@ -23,9 +23,10 @@ const BREAKAWAY: f32 = 0.1;
 
 /// What the rows of a block gave, row by row, as the manifolds want it.
 pub(crate) struct Collect<'a> {
-    pub block: &'a mut Block,
+    pub block: &'a Block,
     /// The two bodies of every row, at the end of the step.
     pub states: &'a [[&'a BodyState; LANES]; 2],
+    pub out: &'a mut [Outcome; LANES],
 }
 
 impl Kernel for Collect<'_> {
@@ -34,14 +35,19 @@ impl Kernel for Collect<'_> {
     fn run<L: Lanes>(self) {
         let mut at = 0;
         while at < self.block.rows {
-            collect::<L>(self.block, self.states, at);
+            collect::<L>(self.block, self.states, self.out, at);
             at += L::WIDTH;
         }
     }
 }
 
 #[inline(always)]
-fn collect<L: Lanes>(block: &mut Block, states: &[[&BodyState; LANES]; 2], at: usize) {
+fn collect<L: Lanes>(
+    block: &Block,
+    states: &[[&BodyState; LANES]; 2],
+    out: &mut [Outcome; LANES],
+    at: usize,
+) {
     let (zero, one) = (L::zero(), L::splat(1.0));
     let (mut bound, mut hit, mut bounced) = (zero, zero, zero);
     let mut points = [zero; 8];
@@ -77,7 +83,7 @@ fn collect<L: Lanes>(block: &mut Block, states: &[[&BodyState; LANES]; 2], at: u
     } else {
         Wide3::new(zero, zero, zero)
     };
-    let results = &mut block.results[at..at + L::WIDTH];
+    let results = &mut out[at..at + L::WIDTH];
     L::scatter8(
         points,
         #[inline(always)]

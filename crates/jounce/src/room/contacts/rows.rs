@@ -202,8 +202,6 @@ pub(crate) struct Block {
     pub rebound_change: Lane,
     /// Sum of the points' impulses over the step, before restitution.
     pub compression: Lane,
-    /// What goes back to the manifolds.
-    pub results: [Outcome; LANES],
 }
 
 /// Where A_ij lies, i < j: those of the first n points lie in front.
@@ -270,7 +268,7 @@ pub(crate) struct Outcome {
 }
 
 impl Outcome {
-    const ZERO: Self = Self { points: [0.0; 8], friction: [0.0; 8], slip: [0.0; 8] };
+    pub const ZERO: Self = Self { points: [0.0; 8], friction: [0.0; 8], slip: [0.0; 8] };
 }
 
 impl Default for Block {
@@ -309,7 +307,6 @@ impl Default for Block {
             live: false,
             rebound_change: [-1.0; LANES],
             compression: L,
-            results: [Outcome::ZERO; LANES],
         }
     }
 }

@@ -338,6 +338,9 @@ impl Contact {
     pub fn get(&self, i: usize) -> &ContactManifold {
         if i == 0 { &self.manifold } else { &self.rest[i - 1] }
     }
+    pub fn get_mut(&mut self, i: usize) -> &mut ContactManifold {
+        if i == 0 { &mut self.manifold } else { &mut self.rest[i - 1] }
+    }
 }
 
 /// Where a contact's row is.
