@@ -775,6 +775,7 @@ impl Doubles for F64x8 {
         |mask, yes, no| _mm512_mask_blend_pd(mask, no, yes)
     );
     /// Two transpositions of four rows, side by side.
+    #[expect(clippy::redundant_closure, reason = "a closure can be told to inline")]
     #[inline(always)]
     fn gather4(row: impl Fn(usize) -> [f64; 4]) -> [Self; 4] {
         let low = F64x4::gather4(
@@ -792,6 +793,10 @@ impl Doubles for F64x8 {
         }
         out
     }
+    #[expect(
+        clippy::redundant_closure,
+        reason = "a closure can be told to inline; `FnMut for &mut F` cannot"
+    )]
     #[inline(always)]
     fn scatter4(columns: [Self; 4], mut put: impl FnMut(usize, [f64; 4])) {
         let (mut low, mut high) = ([F64x4::zero(); 4], [F64x4::zero(); 4]);

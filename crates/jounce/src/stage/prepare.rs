@@ -3,7 +3,7 @@
 use super::{RowPlace, Scratch, Step};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
-use crate::room::contacts::state::Contact;
+use crate::room::contacts::state::{Contact, ContactManifold};
 use crate::room::contacts::{crowd, load};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -120,12 +120,11 @@ struct Points(u64);
 
 impl Points {
     fn of(c: &Contact) -> Self {
-        let mut bits = u64::MAX;
-        for (k, m) in c.manifolds().enumerate().take(32) {
-            let fewer = 4 - u64::from(m.count.clamp(1, 4));
-            bits ^= fewer << (2 * k);
+        let fewer = |m: &ContactManifold| 4 - u64::from(m.count.clamp(1, 4));
+        if !c.manifold.more {
+            return Self(u64::MAX ^ fewer(&c.manifold));
         }
-        Self(bits)
+        Self(c.manifolds().enumerate().take(32).fold(u64::MAX, |bits, (k, m)| bits ^ (fewer(m) << (2 * k))))
     }
     /// Points of a manifold but one.
     fn kind(self, k: u32) -> usize {
@@ -204,7 +203,6 @@ fn color(world: &mut World) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::room::contacts::state::ContactManifold;
     use crate::{BodyDesc, ShapeDesc, WorldDesc};
 
     /// Every manifold's row has as many points as its kind says, whether or not the contact has others.

@@ -109,6 +109,7 @@ impl Bodies {
                     }
                 }
                 let (mut turn, mut spin_most, mut n) = ([0; BODIES], [0.0; BODIES], 0);
+                let ways = if ways.iter().any(|w| w.free) { ways } else { &[] };
                 for (i, (s, way)) in states.iter().zip(ways).enumerate().filter(|(_, (s, w))| w.turns(s)) {
                     let slot = steps[first + i].body;
                     free::remember(s, &mut turning[i], || {
@@ -245,7 +246,8 @@ fn poses(world: &mut World, step: &Step) {
     let columns = (&mut a.state[..], &mut a.step[..], &mut a.inertia[..], &mut a.turning[..], frames);
     world.tasks.for_each_piece(columns, BODIES, |first, (states, steps, inertia, turning, mut frames)| {
         let (mut turned, mut ends, mut n) = ([false; BODIES], [0; BODIES], 0);
-        for (i, s) in states.iter().enumerate() {
+        let free = ways[first..first + states.len()].iter().any(|w| w.free);
+        for (i, s) in states.iter().enumerate().filter(|_| free) {
             turned[i] = ways[first + i].free && turning[i].as_ref().is_some_and(|t| t.is_of(s));
             ends[n] = i as u8;
             n += usize::from(turned[i]);

@@ -242,7 +242,8 @@ mod tests {
                         continue;
                     }
                     (held[a], held[b]) = (held[a] || held[b], held[a] || held[b]);
-                    (most[a], most[b]) = (most[a].max(most[b]), most[a].max(most[b]));
+                    let more = f32s::max(most[a], most[b]);
+                    (most[a], most[b]) = (more, more);
                 }
             }
             let row_of: Vec<u32> = awake.step.iter().map(|b| b.body).collect();
