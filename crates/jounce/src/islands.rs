@@ -162,6 +162,9 @@ impl World {
 
     fn move_contact_awake(&mut self, row: u32) {
         let c = take_row(&mut self.asleep_contacts, &mut self.places, row, ContactPlace::Asleep);
+        if c.fixed && c.touching {
+            self.scratch.renewed.extend([c.body_a, c.body_b]);
+        }
         self.places[c.id as usize] = ContactPlace::Awake(self.contacts.len() as u32);
         self.heads.push(PairHead::new(&c));
         self.contacts.push(c);
@@ -214,7 +217,7 @@ impl World {
             let moving = self.shapes.iter().filter(|(_, o)| matches!(o.place, Place::MovingTree(_)));
             near.extend(moving.map(|(i, _)| i).filter(|&i| near_plane(self, shape, i)));
         } else {
-            self.moving_tree.query(&self.fat[shape as usize], |other| {
+            self.moving_tree.get().query(&self.fat[shape as usize], |other| {
                 near.push(other);
                 true
             });

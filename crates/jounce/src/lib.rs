@@ -32,6 +32,7 @@ mod hash;
 mod hooks;
 mod islands;
 pub mod limits;
+mod moving;
 mod query;
 mod room;
 mod settings;

@@ -49,7 +49,7 @@ impl World {
                 "bounds of shape {s}"
             );
             if bounded {
-                self.moving_tree.query(fat, |other| {
+                self.moving_tree.get().query(fat, |other| {
                     let known = self.tags[other as usize].moved()
                         || !may_meet(self, s, other)
                         || self.pairs.contains(pair_key(s, other));
@@ -124,7 +124,7 @@ impl World {
         for (c, h) in self.contacts.iter().zip(&self.heads) {
             assert_eq!(
                 *h,
-                PairHead { until: h.until, renewed: h.renewed, ..PairHead::new(c) },
+                PairHead { until: h.until, ..PairHead::new(c) },
                 "head of contact {}",
                 c.id
             );

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::event::Event;
 use crate::handle::{BodyId, CharacterId, EmitterId, FieldId, JointId, ShapeId, VehicleId};
 use crate::hooks::Hooks;
+use crate::moving::MovingTree;
 use crate::room::characters::desc::{CharacterDesc, CharacterInput};
 use crate::room::characters::state::Characters;
 use crate::room::contacts::state::{Contact, ContactPlace, PairHead, ShapeRecord};
@@ -55,7 +56,7 @@ pub struct World {
     /// By shape slot.
     pub(crate) tags: Vec<Tag>,
     pub(crate) fixed_tree: Bvh,
-    pub(crate) moving_tree: Bvh,
+    pub(crate) moving_tree: MovingTree,
     pub(crate) unbounded: Vec<u32>,
     /// Shapes whose bounds changed since the last pair search.
     pub(crate) moved: Vec<u32>,
@@ -220,7 +221,7 @@ impl World {
             fat_before: Vec::new(),
             tags: Vec::new(),
             fixed_tree: Bvh::new(),
-            moving_tree: Bvh::new(),
+            moving_tree: MovingTree::default(),
             unbounded: Vec::new(),
             moved: Vec::new(),
             pairs: PairMap::default(),

@@ -61,7 +61,6 @@ pub struct ColorSets {
     rows: [Vec<Row>; ColorSets::COLORS + 1],
     /// Of each colour the rows of kinds above 0, until they are put behind the others.
     behind: [[Vec<Row>; ColorSets::KINDS - 1]; ColorSets::COLORS],
-    starts: [[u32; ColorSets::KINDS]; ColorSets::COLORS + 1],
 }
 
 const READ_ONLY: u32 = 1 << 31;
@@ -71,7 +70,7 @@ const COLOR_BITS: u32 = WRITTEN_LATE - 1;
 const PAIR_COLORS: u32 = 20;
 
 /// Rows to a unit of work, if blocks are smaller: some microseconds of contact solving, against a claim's tenth of one.
-const ROWS_PER_UNIT: usize = 64;
+const ROWS_PER_UNIT: usize = 32;
 
 /// What a row does with one of its items.
 enum Access {
@@ -104,7 +103,6 @@ impl ColorSets {
             masks: Vec::new(),
             rows: [const { Vec::new() }; Self::COLORS + 1],
             behind: [const { [const { Vec::new() }; Self::KINDS - 1] }; Self::COLORS],
-            starts: [[0; Self::KINDS]; Self::COLORS + 1],
         }
     }
 
@@ -126,7 +124,6 @@ impl ColorSets {
         self.masks.clear();
         self.masks.resize(items.min(Self::ITEMS_MAX), 0);
         self.rows.iter_mut().chain(self.behind.as_flattened_mut()).for_each(Vec::clear);
-        self.starts = [[0; Self::KINDS]; Self::COLORS + 1];
     }
 
     /// Adds a row between two items; each is an index, a [`shared`](Self::shared) index or [`NONE`](Self::NONE).
@@ -135,14 +132,13 @@ impl ColorSets {
     /// `None`, and nothing is added, if the row writes no item, names one twice, names one out of range, or names an
     /// item as shared that another row writes (or the other way round).
     pub fn push(&mut self, a: u32, b: u32, payload: u32) -> Option<(u8, u32)> {
-        self.push_kind(0, a, b, payload).map(|(color, _, row)| (color, row))
+        self.push_kind(0, a, b, payload)
     }
 
     /// The same of a row of a kind below [`KINDS`](Self::KINDS) (others count as the last). Its colour does not depend on its kind, but within
     /// the colour rows of a kind lie together once [`close`](Self::close) was called, which matters to nobody who asks for one colour after the
-    /// other: its rows are disjoint. Gives the colour, the kind (of an overflow row 0: those keep their order), and the place among the rows of
-    /// both; the first of them is at [`starts`](Self::starts).
-    pub fn push_kind(&mut self, kind: usize, a: u32, b: u32, payload: u32) -> Option<(u8, u8, u32)> {
+    /// other: its rows are disjoint. Overflow rows keep their order. Gives the colour, and the place among the rows of both.
+    pub fn push_kind(&mut self, kind: usize, a: u32, b: u32, payload: u32) -> Option<(u8, u32)> {
         let (access_a, access_b) = (self.access(a)?, self.access(b)?);
         let mask = |access: &Access| if let Access::Write(i) = access { self.masks[*i] } else { 0 };
         let free = !(mask(&access_a) | mask(&access_b)) & COLOR_BITS;
@@ -173,23 +169,14 @@ impl ColorSets {
             None => &mut self.rows[color as usize],
         };
         rows.push(Row { a, b, payload });
-        Some((color as u8, kind as u8, rows.len() as u32 - 1))
+        Some((color as u8, rows.len() as u32 - 1))
     }
 
     /// Puts the rows of each kind behind those of the kinds before it. Until then, [`rows`](Self::rows) gives those of kind 0.
     pub fn close(&mut self) {
-        for (color, kinds) in self.behind.iter_mut().enumerate() {
-            let rows = &mut self.rows[color];
-            for (kind, more) in kinds.iter_mut().enumerate() {
-                self.starts[color][1 + kind] = rows.len() as u32;
-                rows.append(more);
-            }
+        for (rows, kinds) in self.rows.iter_mut().zip(&mut self.behind) {
+            kinds.iter_mut().for_each(|more| rows.append(more));
         }
-    }
-
-    /// By colour and kind: where its rows start among those of the colour, once [`close`](Self::close) was called.
-    pub fn starts(&self) -> &[[u32; Self::KINDS]; Self::COLORS + 1] {
-        &self.starts
     }
 
     /// What a row may do with `item`, or `None` if the item is out of range or in use the other way.

@@ -161,12 +161,11 @@ proptest! {
             sets.close();
             for (i, (place, color)) in places.iter().zip(&colors).enumerate() {
                 prop_assert_eq!(place.map(|p| p.0), color.map(|c| c.0));
-                let Some((color, kind, row)) = *place else { continue };
-                let (color, kind) = (usize::from(color), usize::from(kind));
-                let late = color == ColorSets::COLORS;
-                prop_assert_eq!(kind, if late { 0 } else { kind_of(i).min(ColorSets::KINDS - 1) });
-                let at = sets.starts()[color][kind] + row;
-                prop_assert_eq!(sets.rows(color)[at as usize].payload() as usize, i);
+                let Some((color, row)) = *place else { continue };
+                let rows = sets.rows(usize::from(color));
+                let kind = |i: usize| if rows == sets.overflow() { 0 } else { kind_of(i).min(ColorSets::KINDS - 1) };
+                let before = rows.iter().filter(|r| kind(r.payload() as usize) < kind(i)).count();
+                prop_assert_eq!(rows[before + row as usize].payload() as usize, i);
             }
             for color in 0..ColorSets::COLORS {
                 let key = |r: &jounce_tasks::Row| (kind_of(r.payload() as usize).min(ColorSets::KINDS - 1), r.payload());

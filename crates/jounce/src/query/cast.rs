@@ -97,7 +97,7 @@ impl World {
         let half = bounds.half();
         // A cast ends within 1e-6 of the shapes' size: what it calls touching must not be a miss of the boxes.
         let half = half + rounding(center) * 2.0 + Vec3::splat(1e-5 * half.max_component());
-        for tree in [&self.fixed_tree, &self.moving_tree] {
+        for tree in [&self.fixed_tree, self.moving_tree.get()] {
             tree.ray(center, motion, half, widened(bound), |slot, _| {
                 bound = see(slot, bound);
                 widened(bound)

@@ -58,7 +58,7 @@ impl World {
             see(plane);
         }
         self.fixed_tree.query(bounds, &mut see);
-        self.moving_tree.query(bounds, &mut see);
+        self.moving_tree.get().query(bounds, &mut see);
         found.sort_unstable();
         found.truncate(limits::QUERY_HITS_MAX);
         found.into_iter().map(|slot| self.shape_id(slot)).collect()

@@ -88,7 +88,7 @@ impl World {
             reach = squared(see(slot));
             reach
         });
-        self.moving_tree.nearest(center, reach, |slot, _| squared(see(slot)));
+        self.moving_tree.get().nearest(center, reach, |slot, _| squared(see(slot)));
         let (slot, h) = best?;
         let r = &self.shapes[slot];
         let pose = self.pose_of(r);

@@ -154,7 +154,7 @@ impl World {
         }
         let origin = ray.origin.as_vec3();
         let slack = rounding(origin);
-        for tree in [&self.fixed_tree, &self.moving_tree] {
+        for tree in [&self.fixed_tree, self.moving_tree.get()] {
             if max_t < 0.0 {
                 return;
             }

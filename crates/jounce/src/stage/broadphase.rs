@@ -277,7 +277,7 @@ impl Found<'_> {
             return true;
         }
         let world = self.world;
-        if (!self.joined && !self.among(&world.moving_tree, group, u32::MAX))
+        if (!self.joined && !self.among(world.moving_tree.get(), group, u32::MAX))
             || (group.dynamic != 0 && !self.among(&world.fixed_tree, group, group.dynamic))
         {
             return false;

@@ -162,7 +162,7 @@ fn first_hit(world: &World, slot: u32, set: &mut ManifoldSet) -> f32 {
             let swept: Aabb = bounds(f.center0, f.rotation0).union(&bounds(f.center, f.rotation));
             world.fixed_tree.query(&swept, &mut see);
             if body.bullet {
-                world.moving_tree.query(&swept, &mut see);
+                world.moving_tree.get().query(&swept, &mut see);
             }
         }
         for &plane in &world.unbounded {

@@ -50,6 +50,12 @@ fn row(columns: &Columns, i: usize) -> [f32; 6] {
     )
 }
 
+/// Is a tree of the step made where so many shapes have moved?
+pub(super) fn is_worth_it(world: &World, moved: usize) -> bool {
+    let all = world.moving_tree.len();
+    all >= LEAST && moved * STILL >= all && world.tags.len() <= all * SPARSE
+}
+
 /// Sixteen shapes: their bounds now, and as of the last pair search.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
@@ -106,8 +112,7 @@ pub(crate) struct Flat {
 impl Flat {
     /// Builds the tree where enough has moved; says whether it did.
     pub fn build(&mut self, world: &World) -> bool {
-        let all = world.moving_tree.len();
-        if all < LEAST || world.moved.len() * STILL < all || world.tags.len() > all * SPARSE {
+        if !is_worth_it(world, world.moved.len()) {
             return false;
         }
         self.place(world);

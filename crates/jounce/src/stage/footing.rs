@@ -112,7 +112,7 @@ fn gather(world: &World, v: &Vehicle, foot: usize, dt: f32, near: &mut Vec<u32>)
     let exclude: BodyId = world.body_id(v.chassis);
     let filter = QueryFilter::default().layers(v.desc.ground_layers).excluding(exclude).only(&apart);
     near.extend(world.unbounded.iter().filter(|&&slot| world.sees(slot, &filter)));
-    for tree in [&world.fixed_tree, &world.moving_tree] {
+    for tree in [&world.fixed_tree, world.moving_tree.get()] {
         tree.query(&bounds, |slot| {
             if world.sees(slot, &filter) {
                 near.push(slot);

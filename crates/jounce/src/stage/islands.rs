@@ -9,7 +9,6 @@ use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_math::Vec3;
-use std::sync::atomic::Ordering;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     let size = narrowphase::unit_of(world.contacts.len());
@@ -17,13 +16,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     super::joints::stir(world);
     let mut rows = core::mem::take(&mut world.scratch.rows_told);
     rows.clear();
-    for (unit, news) in world.scratch.news.0.iter().take(units).enumerate() {
-        let mut left = news.load(Ordering::Relaxed);
-        while left != 0 {
-            rows.push((unit * size) as u32 + left.trailing_zeros());
-            left &= left - 1;
-        }
-    }
+    world.scratch.news.told(units, |unit, i| rows.push((unit * size + i) as u32));
     carried(world, &mut rows);
     let mut ends = core::mem::take(&mut world.scratch.ends);
     ends.clear();

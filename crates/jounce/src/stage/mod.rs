@@ -33,7 +33,7 @@ use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::state::NONE;
 use jounce_geometry::ManifoldSet;
 use jounce_tasks::ColorSets;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock, RwLockWriteGuard};
 
 /// What every stage is given about the step.
@@ -86,7 +86,8 @@ pub(crate) struct Scratch {
     pub bounds: publish::Moves,
     /// Bodies to wake.
     pub wakes: Vec<u32>,
-    pub parent: Vec<u32>,
+    /// Bodies of contacts with a fixed one that touch in a new way, or are new among the awake ones.
+    pub renewed: Vec<u32>,
     /// What the search for islands at rest knows of each awake row, the island that it is at, and what stands on wheels.
     pub rest: Vec<sleep::Rest>,
     pub island: Vec<u32>,
@@ -118,70 +119,54 @@ pub(crate) struct Scratch {
 }
 
 /// Colour and row of a manifold in the solver.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RowPlace {
     pub color: u8,
-    /// How many points it has, as the colouring tells rows apart.
-    pub kind: u8,
-    /// Among all rows of the colour; among those of the kind until [`Places`] are asked.
+    /// Among the rows of the colour.
     pub row: u32,
 }
 
 impl RowPlace {
-    const NOWHERE: Self = Self { color: 0, kind: 0, row: NONE };
+    const NOWHERE: Self = Self { color: 0, row: NONE };
     /// Which block of the colour, and the lane there.
     pub fn lane(&self) -> (usize, usize) {
         (self.row as usize / LANES, self.row as usize % LANES)
     }
 }
 
-/// Where in the solver the manifolds of this step are. Beside the contacts, so that to say it writes to none of them.
+/// Where in the solver the manifolds of this step are. Beside the contacts, so that to say it writes to none of them; found where somebody wants to
+/// know.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Places {
-    /// By contact row: that of its first manifold.
-    firsts: Vec<RowPlace>,
-    /// Those of all other manifolds; by contact row: where its own begin.
-    others: Vec<RowPlace>,
-    from: Vec<u32>,
-    /// By colour and kind: where its rows start.
-    starts: [[u32; ColorSets::KINDS]; ColorSets::COLORS + 1],
+    /// By payload of a row.
+    rows: Vec<RowPlace>,
+    /// By contact row: the payload of its first manifold. Those of the others follow it.
+    firsts: Vec<u32>,
 }
 
 impl Places {
-    /// So many contacts, none of which has rows.
-    pub fn begin(&mut self, contacts: usize) {
+    /// Finds all: `manifolds` has by payload the contact and which of its manifolds, those of a contact one after the other.
+    pub fn find(&mut self, contacts: usize, manifolds: &[(u32, u32)], colors: &ColorSets) {
+        self.rows.clear();
+        self.rows.resize(manifolds.len(), RowPlace::NOWHERE);
+        for color in 0..=ColorSets::COLORS {
+            for (row, r) in colors.rows(color).iter().enumerate() {
+                self.rows[r.payload() as usize] = RowPlace { color: color as u8, row: row as u32 };
+            }
+        }
         self.firsts.clear();
-        self.firsts.resize(contacts, RowPlace::NOWHERE);
-        self.others.clear();
-        self.from.clear();
-        self.from.resize(contacts, 0);
-    }
-    /// The next manifold of a contact; all of a contact's come one after the other.
-    pub fn push(&mut self, contact: usize, manifold: usize, place: RowPlace) {
-        if manifold == 0 {
-            self.firsts[contact] = place;
-            self.from[contact] = self.others.len() as u32;
-        } else {
-            self.others.push(place);
+        self.firsts.resize(contacts, NONE);
+        for (payload, &(contact, manifold)) in manifolds.iter().enumerate() {
+            if manifold == 0 {
+                self.firsts[contact as usize] = payload as u32;
+            }
         }
     }
-    /// That was all: where the rows of each kind start.
-    pub fn close(&mut self, starts: &[[u32; ColorSets::KINDS]; ColorSets::COLORS + 1]) {
-        self.starts = *starts;
-    }
-    /// Where a manifold of a contact is, if its row can move anything.
+    /// Where a manifold of a contact is, which must have it; `None` where its row cannot move anything.
     #[inline]
     pub fn get(&self, contact: usize, manifold: usize) -> Option<RowPlace> {
-        let first = self.firsts.get(contact)?;
-        let place = match manifold.checked_sub(1) {
-            None => first,
-            Some(k) => self.others.get(*self.from.get(contact)? as usize + k)?,
-        };
-        if first.row == NONE || place.row == NONE {
-            return None;
-        }
-        let start = self.starts[usize::from(place.color)][usize::from(place.kind)];
-        Some(RowPlace { row: start + place.row, ..*place })
+        let &first = self.firsts.get(contact).filter(|f| **f != NONE)?;
+        self.rows.get(first as usize + manifold).copied().filter(|p| p.row != NONE)
     }
 }
 
@@ -241,12 +226,34 @@ impl<T> Clone for Lists<T> {
 
 /// Contacts that the narrow phase found apart, or that began or ended to touch: a bit each, a word per unit.
 #[derive(Debug, Default)]
-pub(crate) struct News(pub Vec<AtomicU64>);
+pub(crate) struct News(Vec<[AtomicU64; 2]>);
 
 impl News {
-    /// Makes sure that there are so many words.
+    /// Makes sure that there are so many units.
     pub fn at_least(&mut self, n: usize) {
-        self.0.resize_with(self.0.len().max(n), AtomicU64::default);
+        self.0.resize_with(self.0.len().max(n), Default::default);
+    }
+    /// Contacts of a unit of which others must know, and those with a fixed body that touch in a new way.
+    pub fn set(&self, unit: usize, told: u64, renewed: u64) {
+        self.0[unit][0].store(told, Ordering::Relaxed);
+        self.0[unit][1].store(renewed, Ordering::Relaxed);
+    }
+    /// Calls `f` with the unit of each contact that is told of, among so many units, and with its place there.
+    pub fn told(&self, units: usize, f: impl FnMut(usize, usize)) {
+        self.each(0, units, f);
+    }
+    /// The same of those that touch in a new way.
+    pub fn renewed(&self, units: usize, f: impl FnMut(usize, usize)) {
+        self.each(1, units, f);
+    }
+    fn each(&self, which: usize, units: usize, mut f: impl FnMut(usize, usize)) {
+        for (unit, words) in self.0.iter().take(units).enumerate() {
+            let mut left = words[which].load(Ordering::Relaxed);
+            while left != 0 {
+                f(unit, left.trailing_zeros() as usize);
+                left &= left - 1;
+            }
+        }
     }
 }
 
@@ -288,7 +295,7 @@ impl<T> Clone for Lent<T> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Places, RowPlace, Scratch};
+    use super::{ColorSets, Places, Scratch};
     use crate::{BodyDesc, Command, JointDesc, JointSolver, Material, ShapeDesc, World, WorldDesc};
     use jounce_math::{DVec3, Vec3};
 
@@ -363,31 +370,36 @@ mod tests {
         w
     }
 
-    /// Every manifold is found where it was put, and none that was not.
+    /// Every manifold is found where its row is, and none of a contact without rows.
     #[test]
     fn manifolds_have_places() {
         let counts = [1, 0, 3, 1, 2, 0, 4];
-        let mut places = Places::default();
-        let starts =
-            core::array::from_fn(|color| core::array::from_fn(|kind| 100 * (7 * color + kind) as u32));
-        for _ in 0..2 {
-            places.begin(counts.len());
+        let (mut places, mut colors) = (Places::default(), ColorSets::new());
+        for bodies in [2, 30] {
+            colors.reset(bodies);
+            let mut manifolds = Vec::new();
             for (contact, &n) in counts.iter().enumerate() {
                 for k in 0..n {
-                    let (color, kind) = (k as u8, (contact % 4) as u8);
-                    places.push(contact, k, RowPlace { color, kind, row: 10 * contact as u32 });
+                    let contact = contact as u32;
+                    let (a, b) = (contact % 2, if bodies == 2 { ColorSets::NONE } else { 2 + contact });
+                    assert!(colors.push_kind(k, a, b, manifolds.len() as u32).is_some());
+                    manifolds.push((contact, k as u32));
                 }
             }
-            places.close(&starts);
+            colors.close();
+            places.find(counts.len(), &manifolds, &colors);
+            let mut seen = 0;
             for (contact, &n) in counts.iter().enumerate() {
                 for k in 0..n {
-                    let place = places.get(contact, k).map(|p| (p.color, p.row));
-                    let row = 10 * contact + 100 * (7 * k + contact % 4);
-                    assert_eq!(place, Some((k as u8, row as u32)));
+                    let p = places.get(contact, k).expect("a place");
+                    let row = colors.rows(usize::from(p.color))[p.row as usize];
+                    assert_eq!(manifolds[row.payload() as usize], (contact as u32, k as u32));
+                    seen += 1;
                 }
-                assert!(n > 0 || places.get(contact, 0).is_none() && places.get(contact, 1).is_none());
+                assert!(n > 0 || places.get(contact, 0).is_none());
             }
-            assert!(places.get(counts.len(), 0).is_none() && places.get(6, 4).is_none());
+            assert_eq!(seen, manifolds.len());
+            assert!(places.get(counts.len(), 0).is_none());
         }
     }
 }

@@ -10,7 +10,6 @@ use crate::world::World;
 use jounce_geometry::{Manifold, ManifoldSet, Shape, collide_again};
 use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
-use std::sync::atomic::Ordering;
 
 /// Contacts per unit at most: the bits of a word.
 const CHUNK: usize = 64;
@@ -34,7 +33,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let shared: &World = world;
     let columns = (&mut contacts[..], &mut heads[..]);
     shared.tasks.for_each_chunk2(columns, unit, |first, chunk, heads| {
-        let mut news = 0;
+        let (mut news, mut renewed) = (0, 0);
         // Three passes, each of which asks ahead for what its own pairs read: most pairs stay apart, most others hardly moved.
         let near = Picked::among(chunk.len(), |i| {
             call_head(shared, heads, i + HEADS_AHEAD);
@@ -49,7 +48,6 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             let (c, h) = (&mut chunk[i], &mut heads[i]);
             match look(shared, c, step.dt) {
                 Some(room) => {
-                    h.renewed = false;
                     news |= u64::from(finish(shared, c, h, room)) << i;
                 }
                 None => tests.push(i),
@@ -65,15 +63,20 @@ pub(crate) fn run(world: &mut World, step: &Step) {
                     let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) else { continue };
                     let (c, h) = (&mut chunk[i], &mut heads[i]);
                     test(shared, c, set, step.dt);
-                    h.renewed = true;
                     // How far ahead a bouncing pair looks changes from step to step.
                     let room = if c.bouncy { 0.0 } else { c.spare };
                     news |= u64::from(finish(shared, c, h, room)) << i;
+                    renewed |= u64::from(h.fixed && c.now_touching) << i;
                 }
             });
         }
-        shared.scratch.news.0[first / unit].store(news, Ordering::Relaxed);
+        shared.scratch.news.set(first / unit, news, renewed);
     });
+    // Before rows change: ends of contacts close the gaps.
+    let mut renewed = core::mem::take(&mut world.scratch.renewed);
+    renewed.clear();
+    world.scratch.news.renewed(units, |at, i| renewed.extend(heads[at * unit + i].bodies));
+    world.scratch.renewed = renewed;
     (world.contacts, world.heads) = (contacts, heads);
 }
 

@@ -1,6 +1,6 @@
 //! Colours the manifolds and fills the solver's rows.
 
-use super::{RowPlace, Scratch, Step};
+use super::{Scratch, Step};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::contacts::state::{Contact, ContactManifold};
@@ -22,6 +22,10 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let (crowd, shares) = (&mut world.scratch.crowd, &mut world.scratch.shares);
     crowd::share(&world.contacts, &deep, &world.frames, crowd, rows, shares);
     world.scratch.deep = deep;
+    let Scratch { places, rows: manifolds, colors, shares, .. } = &mut world.scratch;
+    if !(shares.is_empty() && world.joints.is_empty()) {
+        places.find(world.contacts.len(), manifolds, colors);
+    }
     raise_squeezed(world, step);
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
     blocks.resize_with(ColorSets::COLORS + 1, Vec::new);
@@ -164,13 +168,12 @@ fn outline(world: &mut World) {
 
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
 fn color(world: &mut World) {
-    let (scratch, bodies, contacts) = (&mut world.scratch, world.awake.state.len(), world.contacts.len());
-    let Scratch { outlines, colors, rows, places, deep, loads, .. } = scratch;
+    let (scratch, bodies) = (&mut world.scratch, world.awake.state.len());
+    let Scratch { outlines, colors, rows, deep, loads, .. } = scratch;
     let outlines = &*outlines;
     let color = || {
         colors.reset(bodies);
         rows.clear();
-        places.begin(contacts);
         deep.clear();
         outlines.for_each(|o| {
             if o.deep {
@@ -186,12 +189,9 @@ fn color(world: &mut World) {
                 let place = colors.push_kind(o.points.kind(k), a, b, rows.len() as u32);
                 rows.push((o.contact, k));
                 debug_assert!(place.is_some(), "a contact of a body with itself");
-                let (color, kind, row) = place.unwrap_or((ColorSets::OVERFLOW, 0, NONE));
-                places.push(o.contact as usize, k as usize, RowPlace { color, kind, row });
             }
         });
         colors.close();
-        places.close(colors.starts());
     };
     let load = || {
         loads.begin(bodies);

@@ -1,6 +1,7 @@
 //! Ends a step: bounds of what moved, sensors, hits; the clock.
 
 use super::Step;
+use super::flat::is_worth_it;
 use crate::edit::margin_of;
 use crate::event::Event;
 use crate::room::contacts::state::{Contact, Place};
@@ -66,16 +67,23 @@ fn bounds(world: &mut World, step: &Step) {
     world.awake.step = steps;
     let count = moves.0[..units].iter_mut().map(|l| l.get_mut().unwrap_or_else(PoisonError::into_inner));
     let count = count.map(|l| l.bounded.len()).sum();
+    // Where the next pair search does without the tree, it hears of this when somebody asks.
+    let late = is_worth_it(world, count);
     // The tree and the columns beside it have nothing in common.
     let (mut tree, tasks) = (core::mem::take(&mut world.moving_tree), world.tasks.clone());
     let lists = &moves.0[..units];
     let left = || lists.iter().map(|l| l.read().unwrap_or_else(PoisonError::into_inner));
     let mut grow = || {
-        tree.enlarge_all(count, |enlarge| {
-            for l in left() {
-                l.bounded.iter().for_each(|&(_, leaf, fat)| enlarge(leaf, fat));
-            }
-        });
+        if count > 0 {
+            tree.put_off(|list| {
+                for l in left() {
+                    l.bounded.iter().for_each(|&(_, leaf, fat)| list(leaf, fat));
+                }
+            });
+        }
+        if !late {
+            tree.get();
+        }
     };
     let mut list = || {
         for l in left() {

@@ -10,6 +10,7 @@
 use super::Step;
 use crate::room::contacts::state::ContactPlace;
 use crate::room::rigid::desc::BodyKind;
+use crate::room::rigid::state::NONE;
 use crate::world::World;
 use jounce_geometry::{Aabb, FACE_A, FACE_B};
 use jounce_math::{DVec3, Vec3};
@@ -39,40 +40,30 @@ pub(crate) struct Patch {
 }
 
 pub(crate) fn run(world: &mut World, _: &Step) {
-    let mut count = core::mem::take(&mut world.scratch.parent);
-    count.clear();
-    count.resize(world.awake.state.len(), 0);
-    for h in world.heads.iter().filter(|h| h.touching && h.fixed) {
-        for body in h.bodies {
-            if let Some(n) = count.get_mut(world.row_of[body as usize] as usize) {
-                *n = (*n + 1) | u32::from(h.renewed) << 31;
-            }
-        }
-    }
+    // Where no manifold is new, all have the normals that they would get.
+    let mut bodies = core::mem::take(&mut world.scratch.renewed);
+    bodies.retain(|&b| world.bodies[b].kind == BodyKind::Dynamic && world.row_of[b as usize] != NONE);
+    bodies.sort_unstable();
+    bodies.dedup();
     let mut seams = core::mem::take(&mut world.scratch.seams);
-    seams.begin(count.len().div_ceil(BODIES), 0);
+    seams.begin(bodies.len().div_ceil(BODIES), 0);
     let (shared, lists): (&World, _) = (world, &seams);
-    let columns = (&count[..], &shared.awake.step[..]);
-    shared.tasks.for_each_piece(columns, BODIES, |first, (count, steps)| {
-        // Where no manifold is new, all have the normals that they would get.
-        let new = |n: u32| n >> 31 == 1 && n << 1 >= 4;
-        let bodies = count.iter().zip(steps);
-        let mut bodies = bodies.filter(|(n, b)| new(**n) && b.kind == BodyKind::Dynamic).peekable();
-        if bodies.peek().is_some() {
-            shared.scratch.patches.lend(|patches| {
-                bodies.for_each(|(_, b)| body(shared, b.body, patches, &mut lists.of(first / BODIES)));
-            });
-        }
+    shared.tasks.for_each_piece(&bodies[..], BODIES, |first, bodies| {
+        shared.scratch.patches.lend(|patches| {
+            bodies.iter().for_each(|&b| body(shared, b, patches, &mut lists.of(first / BODIES)));
+        });
     });
     seams.for_each(|(m, normal)| match normal {
         Some(normal) => adopt(world, m, *normal),
         None => drop(world, m),
     });
-    (world.scratch.parent, world.scratch.seams) = (count, seams);
+    (world.scratch.renewed, world.scratch.seams) = (bodies, seams);
 }
 
 fn body(world: &World, slot: u32, patches: &mut Vec<Patch>, changes: &mut Vec<Seam>) {
-    gather(world, slot, patches);
+    if gather(world, slot, patches) < 2 {
+        return;
+    }
     let center = world.frames[slot as usize].center;
     for m in patches.iter() {
         let face = patches.iter().find(|f| {
@@ -106,8 +97,10 @@ fn stands_out(world: &World, center: DVec3, m: &Patch, f: &Patch) -> bool {
     shape.shape.rises_over(normal, normal.dot(local(f.points[0])) + m.slop, &near)
 }
 
-fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {
+/// The patches of a body; gives of how many contacts they are.
+fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) -> usize {
     patches.clear();
+    let mut contacts = 0;
     let center = world.frames[slot as usize].center;
     for &id in &world.bodies[slot].contacts {
         let ContactPlace::Awake(row) = world.places[id as usize] else { continue };
@@ -115,6 +108,7 @@ fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {
         if !c.fixed || !c.touching {
             continue;
         }
+        contacts += 1;
         let fixed_is_a = c.body_b == slot;
         let fa = &world.frames[c.body_a as usize];
         let fb = &world.frames[c.body_b as usize];
@@ -138,6 +132,7 @@ fn gather(world: &World, slot: u32, patches: &mut Vec<Patch>) {
             });
         }
     }
+    contacts
 }
 
 /// A single point in the plane of a face that carries the body already would carry it twice: a rolling ball would rise and

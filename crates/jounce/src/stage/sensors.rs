@@ -48,7 +48,7 @@ fn visitors(world: &World, sensor: u32, found: &mut Vec<(u32, u32)>) {
             see(i);
         }
     } else {
-        world.moving_tree.query(&world.tight_bounds(sensor), see);
+        world.moving_tree.get().query(&world.tight_bounds(sensor), see);
     }
     found.sort_unstable();
 }

@@ -112,7 +112,7 @@ impl Around<'_> {
             see(s);
         }
         world.fixed_tree.query(&box_, &mut see);
-        world.moving_tree.query(&box_, |s| {
+        world.moving_tree.get().query(&box_, |s| {
             if self.meets(s) && self.comes_within(s, &reached) {
                 match self.distance_to(s, &own) {
                     Some(d) => movers.push((d, s)),

@@ -225,8 +225,6 @@ pub(crate) struct PairHead {
     /// Copies of [`Contact::touching`] and [`Contact::fixed`].
     pub touching: bool,
     pub fixed: bool,
-    /// Its manifolds are not those of the step before: it was tested anew, or is new here.
-    pub renewed: bool,
 }
 
 impl PairHead {
@@ -237,7 +235,6 @@ impl PairHead {
             until: f64::NEG_INFINITY,
             touching: c.touching,
             fixed: c.fixed,
-            renewed: true,
         }
     }
     /// The other body.

@@ -110,7 +110,7 @@ pub(crate) fn gather(
         true
     };
     world.fixed_tree.query(&bounds, &mut see);
-    world.moving_tree.query(&bounds.expanded(reach), &mut see);
+    world.moving_tree.get().query(&bounds.expanded(reach), &mut see);
     out.slots.extend_from_slice(&world.unbounded);
     // The order of the trees is theirs.
     out.slots.sort_unstable();
