@@ -231,9 +231,30 @@ impl World {
     }
 
     /// Removes a contact, wherever it is; tells of its end when it touched.
+    /// [`World::unlink_contact`] of several that are awake.
+    pub(crate) fn unlink_contacts(&mut self, ids: &[u32]) {
+        let mut keys = core::mem::take(&mut self.scratch.keys);
+        keys.clear();
+        keys.extend(ids.iter().filter_map(|&id| {
+            let [a, b] = self.places[id as usize].head(&self.heads)?.shapes;
+            Some(pair_key(a, b))
+        }));
+        let (mut pairs, tasks) = (core::mem::take(&mut self.pairs), self.tasks.clone());
+        let forget = || keys.iter().for_each(|&key| pairs.remove(key));
+        tasks.join(|| ids.iter().for_each(|&id| drop(self.unlink_row(id))), forget);
+        (self.pairs, self.scratch.keys) = (pairs, keys);
+    }
+
     pub(crate) fn unlink_contact(&mut self, id: u32) {
+        if let Some(key) = self.unlink_row(id) {
+            self.pairs.remove(key);
+        }
+    }
+
+    /// Takes a contact out of everything but the pair set; gives its pair.
+    fn unlink_row(&mut self, id: u32) -> Option<u64> {
         let c = match self.places[id as usize] {
-            ContactPlace::Free => return,
+            ContactPlace::Free => return None,
             ContactPlace::Awake(row) => {
                 self.heads.swap_remove(row as usize);
                 take_row(&mut self.contacts, &mut self.places, row, ContactPlace::Awake)
@@ -244,7 +265,6 @@ impl World {
         };
         self.places[id as usize] = ContactPlace::Free;
         self.free_contacts.push(id);
-        self.pairs.remove(pair_key(c.shape_a, c.shape_b));
         for (k, body) in [c.body_a, c.body_b].into_iter().enumerate() {
             self.unlink_edge(body, c.edge[k]);
         }
@@ -256,6 +276,7 @@ impl World {
             rest.clear();
             self.scratch.manifolds.push(rest);
         }
+        Some(pair_key(c.shape_a, c.shape_b))
     }
 
     fn unlink_edge(&mut self, body: u32, edge: u32) {

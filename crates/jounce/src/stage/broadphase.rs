@@ -126,23 +126,36 @@ pub(crate) fn run(world: &mut World, _: &Step) {
         keys.pop();
         world.events.push(Event::LimitReached { what: "new pairs of a step" });
     }
-    let full = make_contacts(world, &keys, limits::CONTACTS_MAX);
-    world.pairs_missing |= full;
-    // Who was cut short goes on in the next step.
-    let stays = |unit: usize| cut && !full && (dense || lists[unit].last() == Some(&CUT));
-    let mut kept = 0;
-    for i in 0..world.moved.len() {
-        let s = world.moved[i];
-        if stays(i / CHUNK) {
-            world.moved[kept] = s;
-            world.fat_before[s as usize] = NEVER;
-            kept += 1;
-        } else {
-            world.tags[s as usize].set_moved(false);
-            world.fat_before[s as usize] = world.fat[s as usize];
+    let mut moved = core::mem::take(&mut world.moved);
+    let (mut tags, mut before) = (core::mem::take(&mut world.tags), core::mem::take(&mut world.fat_before));
+    let fat = core::mem::take(&mut world.fat);
+    let mut settle = |stays: &dyn Fn(usize) -> bool| {
+        let mut kept = 0;
+        for i in 0..moved.len() {
+            let s = moved[i];
+            if stays(i / CHUNK) {
+                moved[kept] = s;
+                before[s as usize] = NEVER;
+                kept += 1;
+            } else {
+                tags[s as usize].set_moved(false);
+                before[s as usize] = fat[s as usize];
+            }
         }
+        moved.truncate(kept);
+    };
+    if cut {
+        let full = make_contacts(world, &keys, limits::CONTACTS_MAX);
+        // Who was cut short goes on in the next step.
+        settle(&|unit| !full && (dense || lists[unit].last() == Some(&CUT)));
+        world.pairs_missing |= full;
+    } else {
+        // What makes contacts asks nothing of the bounds.
+        let tasks = world.tasks.clone();
+        let make = || world.pairs_missing |= make_contacts(world, &keys, limits::CONTACTS_MAX);
+        tasks.join(make, || settle(&|_| false));
     }
-    world.moved.truncate(kept);
+    (world.moved, world.tags, world.fat_before, world.fat) = (moved, tags, before, fat);
     (world.scratch.candidates, world.scratch.keys) = (lists, keys);
     (world.scratch.flat, world.scratch.aside) = (flat, aside);
 }

@@ -22,6 +22,13 @@ const SPARSE: usize = 8;
 /// Size of a shape, in the mean size, from which it is kept apart from the small ones.
 const LARGE: f32 = 4.0;
 
+/// Slots of shapes per unit.
+const SLOTS: usize = 1024;
+/// In place of a shape's: it is not in the tree.
+const NOWHERE: u64 = u64::MAX;
+
+type Part = (f32, f32, Aabb);
+
 /// The six sides of sixteen boxes; empty boxes where there are fewer.
 type Columns = Sides<WIDE>;
 
@@ -101,6 +108,8 @@ impl Leaf {
 /// The tree.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Flat {
+    /// By unit of slots: sum of the sizes of shapes, their number, and the box around them.
+    parts: Vec<Part>,
     places: Vec<u64>,
     leaves: Vec<Leaf>,
     /// Level by level, those over the leaves first.
@@ -125,24 +134,35 @@ impl Flat {
     }
     /// Sorts the shapes along the curve; the large ones first, which would make the boxes of small ones large.
     fn place(&mut self, world: &World) {
-        let moving =
-            || world.tags.iter().zip(&world.fat).zip(0_u32..).filter(|((t, _), _)| t.bounded_mover());
+        let (tasks, tags, fat) = (&world.tasks, &world.tags[..], &world.fat[..]);
         let size = |b: &Aabb| (b.max - b.min).max_component();
-        let (mut sum, mut count) = (0.0, 0.0);
-        let mut around = Aabb::EMPTY;
-        for ((_, b), _) in moving() {
-            sum += size(b);
-            count += 1.0;
-            around = around.union(b);
-        }
+        tasks.map_chunks(tags.len(), SLOTS, &mut self.parts, |range| {
+            let bounds = tags[range.clone()].iter().zip(&fat[range]);
+            let bounds = bounds.filter(|(t, _)| t.bounded_mover()).map(|(_, b)| b);
+            bounds.fold((0.0, 0.0, Aabb::EMPTY), |(sum, count, around), b| {
+                (sum + size(b), count + 1.0, around.union(b))
+            })
+        });
+        let all = |(sum, count, around): Part, p: &Part| (sum + p.0, count + p.1, around.union(&p.2));
+        let (sum, count, around) = self.parts.iter().fold((0.0, 0.0, Aabb::EMPTY), all);
         let large = LARGE * sum / count;
         let curve = Curve::over(&around);
-        self.places.clear();
-        self.places.extend(moving().map(|((_, b), s)| {
-            let small = u64::from(size(b) <= large);
-            (small << 62) | (u64::from(curve.at(b)) << 32) | u64::from(s)
-        }));
-        self.places.sort_unstable();
+        self.places.resize(tags.len(), NOWHERE);
+        tasks.for_each_piece((&mut self.places[..], tags, fat), SLOTS, |first, (places, tags, fat)| {
+            for (i, ((place, t), b)) in places.iter_mut().zip(tags).zip(fat).enumerate() {
+                let small = u64::from(size(b) <= large);
+                let at = (small << 62) | (u64::from(curve.at(b)) << 32) | (first + i) as u64;
+                *place = if t.bounded_mover() { at } else { NOWHERE };
+            }
+        });
+        self.places.retain(|&p| p != NOWHERE);
+        if tasks.is_serial() {
+            self.places.sort_unstable();
+            return;
+        }
+        let middle = self.places.len() / 2;
+        let (low, _, high) = self.places.select_nth_unstable(middle);
+        tasks.join(|| low.sort_unstable(), || high.sort_unstable());
     }
     /// The nodes over the leaves.
     fn grow(&mut self) {

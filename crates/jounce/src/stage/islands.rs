@@ -49,9 +49,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
         wakes.extend([a, b].into_iter().filter(|&x| asleep(world, x)));
     }
     ends.sort_unstable();
-    for &id in &ends {
-        world.unlink_contact(id);
-    }
+    world.unlink_contacts(&ends);
     world.scratch.ends = ends;
     for &body in &wakes {
         world.wake_body(body);

@@ -17,16 +17,11 @@ const CONTACTS: usize = 256;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     outline(world);
-    color(world);
-    let (rows, deep) = (world.awake.state.len(), core::mem::take(&mut world.scratch.deep));
-    let (crowd, shares) = (&mut world.scratch.crowd, &mut world.scratch.shares);
-    crowd::share(&world.contacts, &deep, &world.frames, crowd, rows, shares);
-    world.scratch.deep = deep;
+    color_and_raise(world, step);
     let Scratch { places, rows: manifolds, colors, shares, .. } = &mut world.scratch;
     if !(shares.is_empty() && world.joints.is_empty()) {
         places.find(world.contacts.len(), manifolds, colors);
     }
-    raise_squeezed(world, step);
     let mut blocks = core::mem::take(&mut world.scratch.blocks);
     blocks.resize_with(ColorSets::COLORS + 1, Vec::new);
     for (color, list) in blocks.iter_mut().enumerate() {
@@ -51,29 +46,6 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     world.scratch.blocks = blocks;
     super::joints::prepare(world, step);
     super::vehicles::prepare(world, step);
-}
-
-fn raise_squeezed(world: &mut World, step: &Step) {
-    let gravity = world.gravity.length();
-    // Without weight nothing rests heavily on anything, and momentum is exact.
-    if gravity == 0.0 {
-        return;
-    }
-    let omega = 2.0 * core::f32::consts::PI * world.settings.contact_hertz;
-    let mut loads = core::mem::take(&mut world.scratch.loads);
-    let numbers = [gravity, world.settings.slop(), omega, step.dt];
-    let bodies = &world.bodies;
-    let jointed = |body: u32| !bodies[body].joints.is_empty();
-    let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
-    let (awake, items, heads, places) = (&mut world.awake, &world.items, &world.heads, &world.places);
-    let touches = |body: u32| {
-        bodies[body].contacts.iter().filter_map(move |&id| {
-            let h = places[id as usize].head(heads).filter(|h| h.touching)?;
-            Some(items[h.other(body) as usize])
-        })
-    };
-    load::raise(&world.tasks, touches, awake, jointed, hangs, &mut loads, numbers);
-    world.scratch.loads = loads;
 }
 
 fn fill_block(world: &World, block: &mut Block, rows: &[Row], next: &[Row], step: &Step) {
@@ -166,14 +138,16 @@ fn outline(world: &mut World) {
     world.scratch.outlines = outlines;
 }
 
-/// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state.
-fn color(world: &mut World) {
-    let (scratch, bodies) = (&mut world.scratch, world.awake.state.len());
-    let Scratch { outlines, colors, rows, deep, loads, .. } = scratch;
+/// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state. Beside it what bodies bear is summed up, and what is
+/// squeezed gets more mass for the step.
+fn color_and_raise(world: &mut World, step: &Step) {
+    let World { scratch, awake, contacts, bodies, frames, heads, places, items, settings, .. } = world;
+    let rows = awake.state.len();
+    let Scratch { outlines, colors, rows: manifolds, deep, loads, crowd, shares, .. } = scratch;
     let outlines = &*outlines;
     let color = || {
-        colors.reset(bodies);
-        rows.clear();
+        colors.reset(rows);
+        manifolds.clear();
         deep.clear();
         outlines.for_each(|o| {
             if o.deep {
@@ -186,18 +160,36 @@ fn color(world: &mut World) {
             }
             for k in 0..o.manifolds {
                 // Rows with as many points lie together: a block is solved as its largest row.
-                let place = colors.push_kind(o.points.kind(k), a, b, rows.len() as u32);
-                rows.push((o.contact, k));
+                let place = colors.push_kind(o.points.kind(k), a, b, manifolds.len() as u32);
+                manifolds.push((o.contact, k));
                 debug_assert!(place.is_some(), "a contact of a body with itself");
             }
         });
         colors.close();
+        crowd::share(contacts, deep, frames, crowd, rows, shares);
     };
-    let load = || {
-        loads.begin(bodies);
+    let gravity = world.gravity.length();
+    let omega = 2.0 * core::f32::consts::PI * settings.contact_hertz;
+    let numbers = [gravity, settings.slop(), omega, step.dt];
+    let (bodies, heads, places, items, tasks) = (&*bodies, &*heads, &*places, &*items, &world.tasks);
+    let raise = || {
+        loads.begin(rows);
         outlines.for_each(|o| loads.add(o.items, &o.load));
+        // Without weight nothing rests heavily on anything, and momentum is exact.
+        if gravity == 0.0 {
+            return;
+        }
+        let jointed = |body: u32| !bodies[body].joints.is_empty();
+        let hangs = |body: u32| jointed(body) || bodies[body].vehicle != NONE;
+        let touches = |body: u32| {
+            bodies[body].contacts.iter().filter_map(move |&id| {
+                let h = places[id as usize].head(heads).filter(|h| h.touching)?;
+                Some(items[h.other(body) as usize])
+            })
+        };
+        load::raise(tasks, touches, awake, jointed, hangs, loads, numbers);
     };
-    world.tasks.join(color, load);
+    tasks.join(color, raise);
 }
 
 #[cfg(test)]
