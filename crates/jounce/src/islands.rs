@@ -241,7 +241,12 @@ impl World {
         }));
         let (mut pairs, tasks) = (core::mem::take(&mut self.pairs), self.tasks.clone());
         let forget = || keys.iter().for_each(|&key| pairs.remove(key));
-        tasks.join(|| ids.iter().for_each(|&id| drop(self.unlink_row(id))), forget);
+        let unlink = || {
+            for &id in ids {
+                self.unlink_row(id);
+            }
+        };
+        tasks.join(unlink, forget);
         (self.pairs, self.scratch.keys) = (pairs, keys);
     }
 

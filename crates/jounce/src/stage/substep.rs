@@ -14,12 +14,14 @@ use crate::room::rigid::state::BodyState;
 use crate::world::World;
 use jounce_lanes::{Width, dispatch, prefetch};
 use jounce_math::scalar::f32s;
-use jounce_tasks::{ColorSets, Owning, Row};
+use jounce_tasks::{ColorSets, Owning, Row, Tasks};
 
 /// Bodies per unit; rows in one fit a byte.
 const BODIES: usize = 128;
 /// Blocks of rows per unit.
 const BLOCKS: usize = 4;
+/// So few blocks of a colour are not worth a stage.
+const FEW: usize = 2;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     impacts(world, step);
@@ -281,6 +283,7 @@ fn impacts(world: &mut World, step: &Step) {
     }
     if !impact::resolve(
         &world.contacts,
+        &world.heads,
         &world.frames,
         &mut world.awake,
         threshold,
@@ -298,13 +301,15 @@ pub(super) fn sweep(world: &mut World, pass: Pass, step: &Step) {
     let scratch = &mut world.scratch;
     let states = &mut world.awake.state;
     let all = !matches!(pass, Pass::Compress | Pass::Restitution);
+    let alone = Tasks::serial();
     for (color, blocks) in scratch.blocks.iter_mut().enumerate().take(ColorSets::COLORS) {
-        if blocks.is_empty() {
+        let live = if all { blocks.len() } else { blocks.iter().filter(|b| b.live).count() };
+        if live == 0 {
             continue;
         }
         scratch.colors.scatter(
             color,
-            &world.tasks,
+            if live <= FEW { &alone } else { &world.tasks },
             LANES,
             states,
             BodyState::FIXED,

@@ -8,7 +8,7 @@
 //! Only contacts in a *cluster* are treated here (a body with two or more contacts between dynamic bodies): a lone pair is served by the
 //! end-of-step restitution, which also knows where the surfaces met.
 
-use super::state::Contact;
+use super::state::{Contact, PairHead};
 use crate::limits;
 use crate::room::rigid::state::{Awake, BodyFrame, NONE};
 use jounce_math::{Vec3, scalar::f32s};
@@ -37,6 +37,7 @@ struct Impact {
 /// Resolves clusters of impacts; gives false when the rounds ran out.
 pub(crate) fn resolve(
     contacts: &[Contact],
+    heads: &[PairHead],
     frames: &[BodyFrame],
     awake: &mut Awake,
     threshold: f32,
@@ -46,8 +47,9 @@ pub(crate) fn resolve(
     let list = &mut memory.list;
     list.clear();
     let mut any_fast = false;
-    for c in contacts.iter().filter(|c| c.touching) {
-        let (fa, fb) = (&frames[c.body_a as usize], &frames[c.body_b as usize]);
+    // Most is told by the heads: what touches something fixed is not looked at.
+    for (c, h) in contacts.iter().zip(heads).filter(|(_, h)| h.touching) {
+        let [fa, fb] = h.bodies.map(|b| &frames[b as usize]);
         if fa.row == NONE || fb.row == NONE {
             continue;
         }
