@@ -693,6 +693,10 @@ impl World {
         let shapes = &self.shapes;
         let (m, center) = mass::prepare(body, body.shapes.iter().map(|&s| &shapes[s]));
         let frame = &mut self.frames[slot as usize];
+        frame.girth = match body.kind {
+            BodyKind::Fixed => f32::INFINITY,
+            _ => BodyFrame::girth_of(m.outer_radius, m.reach),
+        };
         let shift = frame.rotation.rotate(center - frame.local_center);
         let shift0 = frame.rotation0.rotate(center - frame.local_center);
         frame.center += shift.as_dvec3();

@@ -131,7 +131,7 @@ impl World {
         }
         for x in &self.heads {
             let [a, b] = x.bodies.map(|b| self.travel[b as usize]);
-            h.double(if x.until.is_finite() { x.until - (a + b) } else { -1.0 });
+            h.double(if x.until.is_finite() && !x.touching { x.until - (a + b) } else { -1.0 });
         }
         for &id in &self.free_contacts {
             h.pair(id, 2);

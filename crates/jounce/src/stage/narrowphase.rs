@@ -24,6 +24,10 @@ const HEADS_AHEAD: usize = 8;
 const TESTS_AHEAD: usize = 2;
 /// sin²(θ/2) of the largest turn of a body over which a manifold is recycled (10°).
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
+/// A little less than its root.
+const RECYCLE_SIN_HALF: f32 = 0.087_1;
+/// Of the rounding of a pose, in parts of its distance: some thirty units in the last place.
+const ROUNDING: f32 = 4e-6;
 
 pub(crate) fn run(world: &mut World, step: &Step) {
     let (mut contacts, mut heads) = (core::mem::take(&mut world.contacts), core::mem::take(&mut world.heads));
@@ -46,11 +50,9 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             }
             let Some(i) = k.checked_sub(AHEAD).and_then(|k| near.get(k)) else { continue };
             let (c, h) = (&mut chunk[i], &mut heads[i]);
-            match look(shared, c, step.dt) {
-                Some(room) => {
-                    news |= u64::from(finish(shared, c, h, room)) << i;
-                }
-                None => tests.push(i),
+            match look(shared, c, h, step.dt) {
+                Look::Keep(room) => news |= u64::from(finish(shared, c, h, room)) << i,
+                Look::Test => tests.push(i),
             }
         }
         if tests.count > 0 {
@@ -64,7 +66,12 @@ pub(crate) fn run(world: &mut World, step: &Step) {
                     let (c, h) = (&mut chunk[i], &mut heads[i]);
                     test(shared, c, set, step.dt);
                     // How far ahead a bouncing pair looks changes from step to step.
-                    let room = if c.bouncy { 0.0 } else { c.spare };
+                    let room = match (c.manifold.count > 0, c.bouncy) {
+                        (true, _) => kept_for(shared, c, 0.0, [0.0; 2]),
+                        (false, true) => 0.0,
+                        (false, false) => c.spare,
+                    };
+                    let room = Some(room);
                     news |= u64::from(finish(shared, c, h, room)) << i;
                     renewed |= u64::from(h.fixed && c.now_touching) << i;
                 }
@@ -127,8 +134,13 @@ fn call(world: &World, c: &Contact, h: &PairHead) {
 
 /// Has the pair not come together as far as it was apart?
 fn stays_apart(world: &World, h: &PairHead) -> bool {
+    !h.touching && is_certain(world, h) && world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
+}
+
+/// Have the two bodies not come as far as they may until they are looked at again?
+fn is_certain(world: &World, h: &PairHead) -> bool {
     let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
-    a + b < h.until && world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
+    a + b < h.until
 }
 
 /// Two points nearer than a centimetre (squared) may be one.
@@ -141,29 +153,44 @@ pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
     Pose::new(fa.rotation.inverse_rotate(d), fa.rotation.inverse_mul(fb.rotation))
 }
 
-/// Gives how far the two may still come together before they need to be looked at, m (0 where they are near), or `None`
-/// where they are to be tested in the pose that is noted.
-fn look(world: &World, c: &mut Contact, dt: f32) -> Option<f32> {
+/// What a look at a pair says.
+enum Look {
+    /// It is to be tested, in the pose that is noted.
+    Test,
+    /// It is as it was, for as long as the two go no farther than so many metres (0: it is to be looked at in the next step); `None`: than was known
+    /// before.
+    Keep(Option<f32>),
+}
+
+fn look(world: &World, c: &mut Contact, h: &PairHead, dt: f32) -> Look {
     let apart = !bounds_meet(world, c);
     put(&mut c.apart, apart);
     if c.apart {
-        return Some(0.0);
+        return Look::Keep(Some(0.0));
+    }
+    if h.touching && c.tested && recycles(world) && is_certain(world, h) {
+        debug_assert!(
+            !is_too_far(c, way(c, &relative_pose(world, c)), turns(world, c)),
+            "a look at contact {} would have tested it",
+            c.id
+        );
+        renew_gaps(world, c);
+        return Look::Keep(None);
     }
     let pose = relative_pose(world, c);
     let mut room = 0.0;
     if recycle(world, c, &pose, &mut room, dt) {
-        return Some(room);
+        return Look::Keep(Some(room));
     }
     let rotation = |b: u32| world.frames[b as usize].rotation;
     c.tested = true;
     c.tested_pose = pose;
     c.tested_rotations = [rotation(c.body_a), rotation(c.body_b)];
-    None
+    Look::Test
 }
 
 /// Concludes the look at a pair; gives whether something changed that others must know.
-fn finish(world: &World, c: &mut Contact, h: &mut PairHead, room: f32) -> bool {
-    let mut room = room;
+fn finish(world: &World, c: &mut Contact, h: &mut PairHead, mut room: Option<f32>) -> bool {
     if c.apart {
         put(&mut c.now_touching, false);
     } else {
@@ -177,19 +204,19 @@ fn finish(world: &World, c: &mut Contact, h: &mut PairHead, room: f32) -> bool {
             |m: &ContactManifold| m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit);
         let deep = c.manifolds().any(deep);
         put(&mut c.deep, deep);
-        // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
-        let keeps =
-            world.settings.recycle_contacts && world.hooks.contact.is_none() && c.planes == [false; 2];
-        if !keeps || c.now_touching {
-            room = 0.0;
+        // With a hook or without recycling every step tests; half-spaces have no bounds to tell when what is apart parts for good.
+        if !recycles(world) || (!c.now_touching && c.planes != [false; 2]) {
+            room = Some(0.0);
         }
     }
-    h.until = if room > 0.0 {
-        let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
-        a + b + f64::from(room) * 0.9999
-    } else {
-        f64::NEG_INFINITY
-    };
+    if let Some(room) = room {
+        h.until = if room > 0.0 {
+            let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
+            a + b + f64::from(room) * 0.9999
+        } else {
+            f64::NEG_INFINITY
+        };
+    }
     c.apart || c.now_touching != c.touching
 }
 
@@ -208,20 +235,40 @@ fn bounds_meet(world: &World, c: &Contact) -> bool {
     }
 }
 
-/// Keeps the manifolds of the last test when the pair moved less than the tolerance since; only the gaps are new.
-fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32) -> bool {
-    if !c.tested || !world.settings.recycle_contacts || world.hooks.contact.is_some() {
-        return false;
-    }
+/// How far B's shape has gone against A since the last test.
+fn way(c: &Contact, pose: &Pose) -> f32 {
     let mut moved = pose.p - c.tested_pose.p;
     if c.middle_b != Vec3::ZERO {
         moved += pose.q.rotate(c.middle_b) - c.tested_pose.q.rotate(c.middle_b);
     }
     let turn = c.tested_pose.q.inverse_mul(pose.q).xyz().length();
-    let moved = moved.length() + 2.0 * turn * c.extent_b;
+    moved.length() + 2.0 * turn * c.extent_b
+}
+
+/// sin²(θ/2) of each body's turn in the world since then.
+fn turns(world: &World, c: &Contact) -> [f32; 2] {
+    let turned = |b: u32, then: Quat| then.inverse_mul(world.frames[b as usize].rotation).xyz().length_squared();
+    [turned(c.body_a, c.tested_rotations[0]), turned(c.body_b, c.tested_rotations[1])]
+}
+
+/// Is what the last test found no longer true?
+fn is_too_far(c: &Contact, moved: f32, turned: [f32; 2]) -> bool {
+    turned.iter().any(|&t| t > RECYCLE_SIN_HALF_SQUARED) || moved > c.recycle_tolerance
+}
+
+fn recycles(world: &World) -> bool {
+    world.settings.recycle_contacts && world.hooks.contact.is_none()
+}
+
+/// Keeps the manifolds of the last test when the pair moved less than the tolerance since; only the gaps are new.
+fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32) -> bool {
+    if !c.tested || !recycles(world) {
+        return false;
+    }
+    let moved = way(c, pose);
     if c.spare > moved * (1.0 + 1e-5) {
         if !c.bouncy {
-            *room = c.spare - moved;
+            *room = if c.manifold.count == 0 { c.spare - moved } else { 0.0 };
             return true;
         }
         // How far ahead a bouncing pair looks changes from step to step.
@@ -230,17 +277,42 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
             return true;
         }
     }
+    let turned = turns(world, c);
+    if is_too_far(c, moved, turned) {
+        return false;
+    }
+    if c.manifold.count > 0 {
+        *room = kept_for(world, c, moved, turned.map(f32::sqrt));
+    }
+    renew_gaps(world, c);
+    true
+}
+
+/// How far the two bodies of a pair that touches may go, together, before it could be tested again, where it has `moved` so far since the last test
+/// and the bodies have turned by `sines` of half their angles; m.
+///
+/// With d from A's centre to B's, what a step adds to |Δ(Rₐᵀ d)| + 2 sin(φ/2) l, by which recycling is decided, is at most the way of both centres,
+/// 2 sin(α/2) (|d| + l) for A's turn and 2 sin(β/2) l for B's. `World::travel` grows by a way and a turn together: by the way and 2 sin(α/2)
+/// times the girth, at least. So it takes the larger of 1 and (|d| + l)/girth of A's, and likewise of B's.
+fn kept_for(world: &World, c: &Contact, moved: f32, sines: [f32; 2]) -> f32 {
+    if c.spare != 0.0 {
+        return 0.0;
+    }
+    let [fa, fb] = [c.body_a, c.body_b].map(|b| &world.frames[b as usize]);
+    let d = (fb.center - fa.center).as_vec3().length();
+    let l = c.extent_b + c.middle_b.length();
+    let weight = f32s::max(f32s::max((d + l) / fa.girth, l / fb.girth), 1.0);
+    // Poses are rounded.
+    let left = c.recycle_tolerance - moved - ROUNDING * (d + l);
+    let turns = [fa.girth * (RECYCLE_SIN_HALF - sines[0]), fb.girth * (RECYCLE_SIN_HALF - sines[1])];
+    let room = f32s::min(left / weight, 2.0 * f32s::min(turns[0], turns[1]));
+    // Without a girth there is no telling.
+    if room > 0.0 { room } else { 0.0 }
+}
+
+/// Gaps of all points, where the bodies are now.
+fn renew_gaps(world: &World, c: &mut Contact) {
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
-    let turned = |q: Quat, then: Quat| then.inverse_mul(q).xyz().length_squared();
-    let [qa, qb] = c.tested_rotations;
-    if turned(fa.rotation, qa) > RECYCLE_SIN_HALF_SQUARED
-        || turned(fb.rotation, qb) > RECYCLE_SIN_HALF_SQUARED
-    {
-        return false;
-    }
-    if moved > c.recycle_tolerance {
-        return false;
-    }
     let d = (fb.center - fa.center).as_vec3();
     let (ra, rb) = (fa.rotation.to_mat3(), fb.rotation.to_mat3());
     for m in c.manifolds_mut() {
@@ -248,7 +320,6 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
             p.separation = (d + rb * at.on_b - ra * at.on_a).dot(m.normal);
         }
     }
-    true
 }
 
 /// How far ahead the pair looks: the margin, or as far as a bouncing pair comes within the step.
