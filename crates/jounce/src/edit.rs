@@ -156,7 +156,7 @@ impl World {
         let (slot, generation) = self.bodies.insert(body);
         if self.frames.len() <= slot as usize {
             self.frames.resize(slot as usize + 1, BodyFrame::default());
-            self.travel.resize(slot as usize + 1, 0.0);
+            self.travel.resize(slot as usize + 1, [0.0; 2]);
             self.row_of.resize(slot as usize + 1, NONE);
             self.items.resize(slot as usize + 1, ColorSets::NONE);
         }
@@ -614,7 +614,7 @@ impl World {
             target: None,
             guided: false,
             room: 0.0,
-            moved: 0.0,
+            moved: [0.0; 2],
             radius: 0.0,
             reach: Vec3::ZERO,
         });
@@ -637,7 +637,8 @@ impl World {
     pub(crate) fn remove_row(&mut self, slot: u32) {
         let row = self.bodies[slot].row as usize;
         let (radius, reach) = (self.bodies[slot].mass.outer_radius, self.bodies[slot].mass.reach);
-        self.travel[slot as usize] += f64::from(moved(&self.frames[slot as usize], radius, reach));
+        let gone = moved(&self.frames[slot as usize], radius, reach);
+        self.travel[slot as usize].iter_mut().zip(gone).for_each(|(sum, x)| *sum += f64::from(x));
         let state = self.awake.state.swap_remove(row);
         self.awake.step.swap_remove(row);
         self.awake.turning.swap_remove(row);
@@ -693,10 +694,6 @@ impl World {
         let shapes = &self.shapes;
         let (m, center) = mass::prepare(body, body.shapes.iter().map(|&s| &shapes[s]));
         let frame = &mut self.frames[slot as usize];
-        frame.girth = match body.kind {
-            BodyKind::Fixed => f32::INFINITY,
-            _ => BodyFrame::girth_of(m.outer_radius, m.reach),
-        };
         let shift = frame.rotation.rotate(center - frame.local_center);
         let shift0 = frame.rotation0.rotate(center - frame.local_center);
         frame.center += shift.as_dvec3();

@@ -102,7 +102,7 @@ impl World {
             h.vec3(s.torque);
             h.floats(s.sleep_timer, t.xx);
             h.floats(s.raised, t.inv_mass);
-            h.floats(s.moved, 0.0);
+            h.floats(s.moved[0], 0.0);
             h.pair(
                 u32::from(s.guided) | (u32::from(s.halted) << 1),
                 u32::from(turning.is_some()) | (u32::from(s.target.is_some()) << 1),
@@ -130,7 +130,7 @@ impl World {
             rows.iter().for_each(|c| hash_contact(&mut h, c));
         }
         for x in &self.heads {
-            let [a, b] = x.bodies.map(|b| self.travel[b as usize]);
+            let [a, b] = x.bodies.map(|b| self.travel[b as usize][0]);
             h.double(if x.until.is_finite() && !x.touching { x.until - (a + b) } else { -1.0 });
         }
         for &id in &self.free_contacts {

@@ -74,8 +74,8 @@ pub struct World {
     /// By body: its row in the awake columns, or NONE; and that row as colours name it (shared, where the body is not dynamic).
     pub(crate) row_of: Vec<u32>,
     pub(crate) items: Vec<u32>,
-    /// By body: the way that the farthest of its points has made over all steps, at most, m.
-    pub(crate) travel: Vec<f64>,
+    /// By body: the way that the farthest of its points has made over all steps, at most, m; and the sum of 2 sin(θ/2) of its turns.
+    pub(crate) travel: Vec<[f64; 2]>,
 
     pub(crate) fields: Fields,
     pub(crate) particles: Particles,

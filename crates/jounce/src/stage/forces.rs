@@ -24,7 +24,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             let (row, slot) = (first + i, b.body as usize);
             s.rewind();
             if let Some(way) = travel.get(row, slot) {
-                *way += f64::from(core::mem::take(&mut b.moved));
+                way.iter_mut().zip(core::mem::take(&mut b.moved)).for_each(|(sum, x)| *sum += f64::from(x));
             }
             let Some(f) = frames.get(row, slot) else { continue };
             f.reset_interpolation();

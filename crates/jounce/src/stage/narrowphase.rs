@@ -26,6 +26,8 @@ const TESTS_AHEAD: usize = 2;
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 /// A little less than its root.
 const RECYCLE_SIN_HALF: f32 = 0.087_1;
+/// Part of the way over which a manifold is recycled that is left to what does not turn.
+const NEAR: f32 = 0.49;
 /// Of the rounding of a pose, in parts of its distance: some thirty units in the last place.
 const ROUNDING: f32 = 4e-6;
 
@@ -67,7 +69,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
                     test(shared, c, set, step.dt);
                     // How far ahead a bouncing pair looks changes from step to step.
                     let room = match (c.manifold.count > 0, c.bouncy) {
-                        (true, _) => kept_for(shared, c, 0.0, [0.0; 2]),
+                        (true, _) => turns_left(c, [0.0; 2]),
                         (false, true) => 0.0,
                         (false, false) => c.spare,
                     };
@@ -134,13 +136,14 @@ fn call(world: &World, c: &Contact, h: &PairHead) {
 
 /// Has the pair not come together as far as it was apart?
 fn stays_apart(world: &World, h: &PairHead) -> bool {
-    !h.touching && is_certain(world, h) && world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
+    !h.touching && gone(world, h, false) < h.until && world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
 }
 
-/// Have the two bodies not come as far as they may until they are looked at again?
-fn is_certain(world: &World, h: &PairHead) -> bool {
-    let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
-    a + b < h.until
+/// What the bodies of a pair have done, of which the head says up to where it is certain what a look would find: their ways, or, where they touch,
+/// their turns.
+fn gone(world: &World, h: &PairHead, touching: bool) -> f64 {
+    let [a, b] = h.bodies.map(|b| world.travel[b as usize][usize::from(touching)]);
+    a + b
 }
 
 /// Two points nearer than a centimetre (squared) may be one.
@@ -168,7 +171,7 @@ fn look(world: &World, c: &mut Contact, h: &PairHead, dt: f32) -> Look {
     if c.apart {
         return Look::Keep(Some(0.0));
     }
-    if h.touching && c.tested && recycles(world) && is_certain(world, h) {
+    if h.touching && c.tested && recycles(world) && gone(world, h, true) < h.until && stays_near(world, c) {
         debug_assert!(
             !is_too_far(c, way(c, &relative_pose(world, c)), turns(world, c)),
             "a look at contact {} would have tested it",
@@ -211,8 +214,7 @@ fn finish(world: &World, c: &mut Contact, h: &mut PairHead, mut room: Option<f32
     }
     if let Some(room) = room {
         h.until = if room > 0.0 {
-            let [a, b] = h.bodies.map(|b| world.travel[b as usize]);
-            a + b + f64::from(room) * 0.9999
+            gone(world, h, c.now_touching) + f64::from(room) * 0.9999
         } else {
             f64::NEG_INFINITY
         };
@@ -282,32 +284,40 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
         return false;
     }
     if c.manifold.count > 0 {
-        *room = kept_for(world, c, moved, turned.map(f32::sqrt));
+        *room = turns_left(c, turned.map(f32::sqrt));
     }
     renew_gaps(world, c);
     true
 }
 
-/// How far the two bodies of a pair that touches may go, together, before it could be tested again, where it has `moved` so far since the last test
-/// and the bodies have turned by `sines` of half their angles; m.
+/// By how much, together, the two bodies of a pair that touches may turn before it could be tested again, where `sines` are those of half the
+/// angles by which they have turned since the last test; the sum of 2 sin(θ/2).
 ///
-/// With d from A's centre to B's, what a step adds to |Δ(Rₐᵀ d)| + 2 sin(φ/2) l, by which recycling is decided, is at most the way of both centres,
-/// 2 sin(α/2) (|d| + l) for A's turn and 2 sin(β/2) l for B's. `World::travel` grows by a way and a turn together: by the way and 2 sin(α/2)
-/// times the girth, at least. So it takes the larger of 1 and (|d| + l)/girth of A's, and likewise of B's.
-fn kept_for(world: &World, c: &Contact, moved: f32, sines: [f32; 2]) -> f32 {
+/// With d from A's centre to B's, d₀ at the last test, recycling is decided by |Δ(Rₐᵀ d + R m)| + 2 sin(φ/2) l, where R is B's rotation in A's axes and φ its
+/// angle. That is at most |d − d₀| + 2 sin(α/2) (|d₀| + l + |m|) + 2 sin(β/2) (l + |m|) for turns of A by α and of B by β: half of the tolerance is for
+/// these, the other for [`stays_near`].
+fn turns_left(c: &Contact, sines: [f32; 2]) -> f32 {
     if c.spare != 0.0 {
         return 0.0;
     }
-    let [fa, fb] = [c.body_a, c.body_b].map(|b| &world.frames[b as usize]);
-    let d = (fb.center - fa.center).as_vec3().length();
     let l = c.extent_b + c.middle_b.length();
-    let weight = f32s::max(f32s::max((d + l) / fa.girth, l / fb.girth), 1.0);
+    let reach = c.manifold.offset.length() + l;
+    let half = 0.5 * c.recycle_tolerance;
     // Poses are rounded.
-    let left = c.recycle_tolerance - moved - ROUNDING * (d + l);
-    let turns = [fa.girth * (RECYCLE_SIN_HALF - sines[0]), fb.girth * (RECYCLE_SIN_HALF - sines[1])];
-    let room = f32s::min(left / weight, 2.0 * f32s::min(turns[0], turns[1]));
-    // Without a girth there is no telling.
-    if room > 0.0 { room } else { 0.0 }
+    if ROUNDING * reach > (0.5 - NEAR) * c.recycle_tolerance {
+        return 0.0;
+    }
+    let left = (half - 2.0 * (sines[0] * reach + sines[1] * l)) / reach;
+    let most = 2.0 * (RECYCLE_SIN_HALF - f32s::max(sines[0], sines[1]));
+    f32s::max(f32s::min(left, most), 0.0)
+}
+
+/// Is B's centre, seen from A's, about where it was at the last test?
+fn stays_near(world: &World, c: &Contact) -> bool {
+    let [fa, fb] = [c.body_a, c.body_b].map(|b| &world.frames[b as usize]);
+    let moved = (fb.center - fa.center).as_vec3() - c.manifold.offset;
+    let most = NEAR * c.recycle_tolerance;
+    moved.length_squared() < most * most
 }
 
 /// Gaps of all points, where the bodies are now.

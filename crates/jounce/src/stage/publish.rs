@@ -106,7 +106,7 @@ fn bounds(world: &mut World, step: &Step) {
 
 /// The room that a body still has; what left its bounds goes into the list. What has not moved as far as it has room is not looked at.
 fn look(world: &World, step: &Step, b: &BodyStep, v: Vec3, left: &mut Left) -> f32 {
-    let room = b.room - b.moved;
+    let room = b.room - b.moved[0];
     let ahead = v * step.dt;
     // Room for a step ahead, which most have, will do for those that do not look ahead, too.
     if room > ahead.length() {
@@ -143,12 +143,14 @@ fn look(world: &World, step: &Step, b: &BodyStep, v: Vec3, left: &mut Left) -> f
     room
 }
 
-/// How far the farthest point of a body went in the step, at most, m.
-pub(crate) fn moved(f: &BodyFrame, radius: f32, reach: Vec3) -> f32 {
+/// How far the farthest point of a body went in the step, at most, m; and 2 sin(θ/2) of its turn, at most.
+pub(crate) fn moved(f: &BodyFrame, radius: f32, reach: Vec3) -> [f32; 2] {
     let way = (f.center - f.center0).length() as f32;
     // A turn by θ about u moves p by 2 sin(θ/2) |u × p|, and its quaternion has sin(θ/2) u.
     let turn = (f.rotation * f.rotation0.conjugate()).xyz();
-    1.001 * (way + 2.0 * swept(f.rotation.inverse_rotate(turn), radius, reach))
+    let way = 1.001 * (way + 2.0 * swept(f.rotation.inverse_rotate(turn), radius, reach));
+    // Sums of many turns must not lose what is rounded away of each.
+    [way, 2.002 * turn.length() + 2.0 * f32::EPSILON]
 }
 
 /// The most of |t × p| for the points of a body, which lie in a ball and in a box about its centre of mass; all in its own axes. What is long
@@ -211,7 +213,7 @@ fn hit(world: &World, c: &Contact) -> Event {
 mod tests {
     use super::{moved, swept};
     use crate::room::rigid::state::BodyFrame;
-    use jounce_math::{DVec3, Quat, Vec3};
+    use jounce_math::{DVec3, Quat, Vec3, scalar::f32s};
 
     /// No point of a box goes farther than is said, however it turns; and what turns about its length is not said to go far.
     #[test]
@@ -232,7 +234,8 @@ mod tests {
             let mut f =
                 BodyFrame { rotation0, rotation: (turn * rotation0).normalize(), ..BodyFrame::default() };
             f.center = way.as_dvec3();
-            let most = moved(&f, half.length(), half);
+            let [most, turned] = moved(&f, half.length(), half);
+            assert!(turned >= 2.0 * f32s::sin(0.5 * (0.1 + start.x.abs())), "{turned}");
             for k in 0..8 {
                 let sign = |bit: i32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
                 let p = Vec3::new(half.x * sign(0), half.y * sign(1), half.z * sign(2));

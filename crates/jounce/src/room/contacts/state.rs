@@ -220,8 +220,8 @@ impl Surface {
 pub(crate) struct PairHead {
     pub shapes: [u32; 2],
     pub bodies: [u32; 2],
-    /// Sum of the ways of the two bodies (`World::travel`) up to which the pair stays apart for certain, or, where it touches, keeps its manifolds,
-    /// m; −∞ where nothing is certain.
+    /// Sum of the ways of the two bodies (`World::travel`) up to which the pair stays apart for certain, m; where it touches, of their turns up to
+    /// which it keeps its manifolds while B stays near to where it is. −∞ where nothing is certain.
     pub until: f64,
     /// Copies of [`Contact::touching`] and [`Contact::fixed`].
     pub touching: bool,

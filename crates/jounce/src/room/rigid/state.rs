@@ -7,7 +7,7 @@
 
 use super::desc::{AxisLocks, BodyKind};
 use jounce_geometry::MassProperties;
-use jounce_math::{DQuat, DVec3, Mat3, Pose, Quat, Vec3, WorldPose, scalar::f32s};
+use jounce_math::{DQuat, DVec3, Mat3, Pose, Quat, Vec3, WorldPose};
 
 /// "No row", "no island".
 pub(crate) const NONE: u32 = u32::MAX;
@@ -92,19 +92,9 @@ pub(crate) struct BodyFrame {
     pub row: u32,
     /// A copy of [`Body::looks_ahead`], likewise.
     pub looks_ahead: bool,
-    /// A turn by the angle θ, however it lies, takes the farthest point as far as 2 sin(θ/2) times this at least, m, as `World::travel` counts. Infinite for
-    /// what does not turn.
-    pub girth: f32,
 }
 
 impl BodyFrame {
-    /// [`BodyFrame::girth`] of a body that moves. What is long goes least when it turns about its length.
-    pub fn girth_of(radius: f32, reach: Vec3) -> f32 {
-        let long = reach.max_component();
-        let across = f32s::max(reach.length_squared() - long * long, 0.0).sqrt();
-        // What has no end is not known to go anywhere.
-        if across.is_finite() { 0.999 * f32s::min(radius, across) } else { 0.0 }
-    }
     pub fn pose(&self) -> WorldPose {
         WorldPose::new(self.center - self.rotation.rotate(self.local_center).as_dvec3(), self.rotation)
     }
@@ -232,8 +222,8 @@ pub(crate) struct BodyStep {
     pub guided: bool,
     /// How far any of its points may still go before one of its shapes could leave its fat bounds, m.
     pub room: f32,
-    /// How far the farthest of its points went in the last step, at most, m; goes to `World::travel`.
-    pub moved: f32,
+    /// How far the farthest of its points went in the last step, at most, m, and 2 sin(θ/2) of its turn, at most; goes to `World::travel`.
+    pub moved: [f32; 2],
     /// Copies of [`Mass::outer_radius`] and [`Mass::reach`].
     pub radius: f32,
     pub reach: Vec3,
