@@ -26,8 +26,8 @@ const TESTS_AHEAD: usize = 2;
 const RECYCLE_SIN_HALF_SQUARED: f32 = 0.007_6;
 /// A little less than its root.
 const RECYCLE_SIN_HALF: f32 = 0.087_1;
-/// Part of the way over which a manifold is recycled that is left to what does not turn.
-const NEAR: f32 = 0.49;
+/// Part of the way over which a manifold is recycled that centres may go until the pair is looked at again.
+const NEAR: f32 = 0.25;
 /// Of the rounding of a pose, in parts of its distance: some thirty units in the last place.
 const ROUNDING: f32 = 4e-6;
 
@@ -69,7 +69,7 @@ pub(crate) fn run(world: &mut World, step: &Step) {
                     test(shared, c, set, step.dt);
                     // How far ahead a bouncing pair looks changes from step to step.
                     let room = match (c.manifold.count > 0, c.bouncy) {
-                        (true, _) => turns_left(c, [0.0; 2]),
+                        (true, _) => turns_left(c, between(shared, h.bodies), 0.0, [0.0; 2]),
                         (false, true) => 0.0,
                         (false, false) => c.spare,
                     };
@@ -171,7 +171,7 @@ fn look(world: &World, c: &mut Contact, h: &PairHead, dt: f32) -> Look {
     if c.apart {
         return Look::Keep(Some(0.0));
     }
-    if h.touching && c.tested && recycles(world) && gone(world, h, true) < h.until && stays_near(world, c) {
+    if h.touching && c.tested && recycles(world) && gone(world, h, true) < h.until && stays_near(world, c, h) {
         debug_assert!(
             !is_too_far(c, way(c, &relative_pose(world, c)), turns(world, c)),
             "a look at contact {} would have tested it",
@@ -213,6 +213,9 @@ fn finish(world: &World, c: &mut Contact, h: &mut PairHead, mut room: Option<f32
         }
     }
     if let Some(room) = room {
+        if c.now_touching {
+            h.looked = between(world, h.bodies);
+        }
         h.until = if room > 0.0 {
             gone(world, h, c.now_touching) + f64::from(room) * 0.9999
         } else {
@@ -284,38 +287,39 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
         return false;
     }
     if c.manifold.count > 0 {
-        *room = turns_left(c, turned.map(f32::sqrt));
+        let d = between(world, [c.body_a, c.body_b]);
+        *room = turns_left(c, d, moved, turned.map(f32::sqrt));
     }
     renew_gaps(world, c);
     true
 }
 
-/// By how much, together, the two bodies of a pair that touches may turn before it could be tested again, where `sines` are those of half the
-/// angles by which they have turned since the last test; the sum of 2 sin(θ/2).
+/// By how much, together, the two bodies of a pair that touches may turn before it could be tested again, where it has `moved` so far since the last test
+/// and they have turned by half angles with these `sines`; the sum of 2 sin(θ/2).
 ///
-/// With d from A's centre to B's, d₀ at the last test, recycling is decided by |Δ(Rₐᵀ d + R m)| + 2 sin(φ/2) l, where R is B's rotation in A's axes and φ its
-/// angle. That is at most |d − d₀| + 2 sin(α/2) (|d₀| + l + |m|) + 2 sin(β/2) (l + |m|) for turns of A by α and of B by β: half of the tolerance is for
-/// these, the other for [`stays_near`].
-fn turns_left(c: &Contact, sines: [f32; 2]) -> f32 {
+/// With d from A's centre to B's, recycling is decided by |Δ(Rₐᵀ d + R m)| + 2 sin(φ/2) l, where R is B's rotation in A's axes and φ its angle. From a look
+/// at d₁ on, that grows by no more than |d − d₁| + 2 sin(α/2) (|d₁| + l + |m|) + 2 sin(β/2) (l + |m|) for turns of A by α and of B by β. Part of what is
+/// left of the tolerance is for [`stays_near`], the rest for these.
+fn turns_left(c: &Contact, d: Vec3, moved: f32, sines: [f32; 2]) -> f32 {
     if c.spare != 0.0 {
         return 0.0;
     }
-    let l = c.extent_b + c.middle_b.length();
-    let reach = c.manifold.offset.length() + l;
-    let half = 0.5 * c.recycle_tolerance;
+    let reach = d.length() + c.extent_b + c.middle_b.length();
     // Poses are rounded.
-    if ROUNDING * reach > (0.5 - NEAR) * c.recycle_tolerance {
-        return 0.0;
-    }
-    let left = (half - 2.0 * (sines[0] * reach + sines[1] * l)) / reach;
+    let left = (1.0 - NEAR) * c.recycle_tolerance - moved - ROUNDING * reach;
     let most = 2.0 * (RECYCLE_SIN_HALF - f32s::max(sines[0], sines[1]));
-    f32s::max(f32s::min(left, most), 0.0)
+    f32s::max(f32s::min(left / reach, most), 0.0)
 }
 
-/// Is B's centre, seen from A's, about where it was at the last test?
-fn stays_near(world: &World, c: &Contact) -> bool {
-    let [fa, fb] = [c.body_a, c.body_b].map(|b| &world.frames[b as usize]);
-    let moved = (fb.center - fa.center).as_vec3() - c.manifold.offset;
+/// From A's centre of mass to B's, world axes.
+fn between(world: &World, bodies: [u32; 2]) -> Vec3 {
+    let [fa, fb] = bodies.map(|b| &world.frames[b as usize]);
+    (fb.center - fa.center).as_vec3()
+}
+
+/// Is B's centre, seen from A's, about where it was at the last look?
+fn stays_near(world: &World, c: &Contact, h: &PairHead) -> bool {
+    let moved = between(world, h.bodies) - h.looked;
     let most = NEAR * c.recycle_tolerance;
     moved.length_squared() < most * most
 }

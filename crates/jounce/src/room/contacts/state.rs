@@ -221,8 +221,10 @@ pub(crate) struct PairHead {
     pub shapes: [u32; 2],
     pub bodies: [u32; 2],
     /// Sum of the ways of the two bodies (`World::travel`) up to which the pair stays apart for certain, m; where it touches, of their turns up to
-    /// which it keeps its manifolds while B stays near to where it is. −∞ where nothing is certain.
+    /// which it keeps its manifolds while B stays near to where it was. −∞ where nothing is certain.
     pub until: f64,
+    /// Of a pair that touches: from A's centre of mass to B's as it was last looked at, world axes.
+    pub looked: Vec3,
     /// Copies of [`Contact::touching`] and [`Contact::fixed`].
     pub touching: bool,
     pub fixed: bool,
@@ -234,6 +236,7 @@ impl PairHead {
             shapes: [c.shape_a, c.shape_b],
             bodies: [c.body_a, c.body_b],
             until: f64::NEG_INFINITY,
+            looked: Vec3::ZERO,
             touching: c.touching,
             fixed: c.fixed,
         }
