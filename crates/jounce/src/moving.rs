@@ -164,7 +164,8 @@ mod tests {
                 continue;
             }
             let asked = boxes[0];
-            let mut want: Vec<u32> = (0..200).filter(|&i| there[i as usize].is_some_and(|(_, b)| b.overlaps(&asked))).collect();
+            let mut want: Vec<u32> =
+                (0..200).filter(|&i| there[i as usize].is_some_and(|(_, b)| b.overlaps(&asked))).collect();
             want.sort_unstable();
             for tree in [&tree.clone(), &tree] {
                 let mut got = Vec::new();

@@ -124,7 +124,7 @@ impl World {
         for (c, h) in self.contacts.iter().zip(&self.heads) {
             assert_eq!(
                 *h,
-                PairHead { until: h.until, looked: h.looked, ..PairHead::new(c) },
+                PairHead { until: h.until, looked: h.looked, near: h.near, kept: h.kept, ..PairHead::new(c) },
                 "head of contact {}",
                 c.id
             );

@@ -37,13 +37,16 @@ pub(crate) fn run(world: &mut World, step: &Step) {
     let units = contacts.len().div_ceil(unit);
     world.scratch.news.at_least(units);
     let shared: &World = world;
+    let recycles = recycles(shared);
     let columns = (&mut contacts[..], &mut heads[..]);
     shared.tasks.for_each_chunk2(columns, unit, |first, chunk, heads| {
         let (mut news, mut renewed) = (0, 0);
         // Three passes, each of which asks ahead for what its own pairs read: most pairs stay apart, most others hardly moved.
         let near = Picked::among(chunk.len(), |i| {
             call_head(shared, heads, i + HEADS_AHEAD);
-            !stays_apart(shared, &heads[i])
+            let h = &mut heads[i];
+            h.kept = h.touching && recycles && is_kept(shared, h);
+            !(h.kept || stays_apart(shared, h))
         });
         let mut tests = Picked::NONE;
         for k in 0..near.count + AHEAD {
@@ -52,9 +55,9 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             }
             let Some(i) = k.checked_sub(AHEAD).and_then(|k| near.get(k)) else { continue };
             let (c, h) = (&mut chunk[i], &mut heads[i]);
-            match look(shared, c, h, step.dt) {
-                Look::Keep(room) => news |= u64::from(finish(shared, c, h, room)) << i,
-                Look::Test => tests.push(i),
+            match look(shared, c, step.dt) {
+                Some(room) => news |= u64::from(finish(shared, c, h, room)) << i,
+                None => tests.push(i),
             }
         }
         if tests.count > 0 {
@@ -73,7 +76,6 @@ pub(crate) fn run(world: &mut World, step: &Step) {
                         (false, true) => 0.0,
                         (false, false) => c.spare,
                     };
-                    let room = Some(room);
                     news |= u64::from(finish(shared, c, h, room)) << i;
                     renewed |= u64::from(h.fixed && c.now_touching) << i;
                 }
@@ -136,7 +138,11 @@ fn call(world: &World, c: &Contact, h: &PairHead) {
 
 /// Has the pair not come together as far as it was apart?
 fn stays_apart(world: &World, h: &PairHead) -> bool {
-    !h.touching && gone(world, h, false) < h.until && world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
+    !h.touching && gone(world, h, false) < h.until && bounds_overlap(world, h)
+}
+
+fn bounds_overlap(world: &World, h: &PairHead) -> bool {
+    world.fat[h.shapes[0] as usize].overlaps(&world.fat[h.shapes[1] as usize])
 }
 
 /// What the bodies of a pair have done, of which the head says up to where it is certain what a look would find: their ways, or, where they touch,
@@ -156,44 +162,28 @@ pub(crate) fn relative_pose(world: &World, c: &Contact) -> Pose {
     Pose::new(fa.rotation.inverse_rotate(d), fa.rotation.inverse_mul(fb.rotation))
 }
 
-/// What a look at a pair says.
-enum Look {
-    /// It is to be tested, in the pose that is noted.
-    Test,
-    /// It is as it was, for as long as the two go no farther than so many metres (0: it is to be looked at in the next step); `None`: than was known
-    /// before.
-    Keep(Option<f32>),
-}
-
-fn look(world: &World, c: &mut Contact, h: &PairHead, dt: f32) -> Look {
+/// Gives how far the two may still come together, or turn, before they need to be looked at, m (0 where that is in the next step), or `None`
+/// where they are to be tested in the pose that is noted.
+fn look(world: &World, c: &mut Contact, dt: f32) -> Option<f32> {
     let apart = !bounds_meet(world, c);
     put(&mut c.apart, apart);
     if c.apart {
-        return Look::Keep(Some(0.0));
-    }
-    if h.touching && c.tested && recycles(world) && gone(world, h, true) < h.until && stays_near(world, c, h) {
-        debug_assert!(
-            !is_too_far(c, way(c, &relative_pose(world, c)), turns(world, c)),
-            "a look at contact {} would have tested it",
-            c.id
-        );
-        renew_gaps(world, c);
-        return Look::Keep(None);
+        return Some(0.0);
     }
     let pose = relative_pose(world, c);
     let mut room = 0.0;
     if recycle(world, c, &pose, &mut room, dt) {
-        return Look::Keep(Some(room));
+        return Some(room);
     }
     let rotation = |b: u32| world.frames[b as usize].rotation;
     c.tested = true;
     c.tested_pose = pose;
     c.tested_rotations = [rotation(c.body_a), rotation(c.body_b)];
-    Look::Test
+    None
 }
 
 /// Concludes the look at a pair; gives whether something changed that others must know.
-fn finish(world: &World, c: &mut Contact, h: &mut PairHead, mut room: Option<f32>) -> bool {
+fn finish(world: &World, c: &mut Contact, h: &mut PairHead, mut room: f32) -> bool {
     if c.apart {
         put(&mut c.now_touching, false);
     } else {
@@ -202,27 +192,27 @@ fn finish(world: &World, c: &mut Contact, h: &mut PairHead, mut room: Option<f32
         }
         let touches = c.manifold.count > 0;
         put(&mut c.now_touching, touches);
-        let limit = -crowd::DEEP_SLOPS * c.slop;
-        let deep =
-            |m: &ContactManifold| m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit);
-        let deep = c.manifolds().any(deep);
-        put(&mut c.deep, deep);
-        // With a hook or without recycling every step tests; half-spaces have no bounds to tell when what is apart parts for good.
-        if !recycles(world) || (!c.now_touching && c.planes != [false; 2]) {
-            room = Some(0.0);
+        note_depth(c);
+        // With a hook or without recycling every step tests; half-spaces have no bounds to tell when they part.
+        if !recycles(world) || c.planes != [false; 2] {
+            room = 0.0;
         }
     }
-    if let Some(room) = room {
-        if c.now_touching {
-            h.looked = between(world, h.bodies);
-        }
-        h.until = if room > 0.0 {
-            gone(world, h, c.now_touching) + f64::from(room) * 0.9999
-        } else {
-            f64::NEG_INFINITY
-        };
-    }
+    (h.looked, h.near) = (between(world, h.bodies), NEAR * c.recycle_tolerance);
+    h.until = if room > 0.0 {
+        gone(world, h, c.now_touching) + f64::from(room) * 0.9999
+    } else {
+        f64::NEG_INFINITY
+    };
     c.apart || c.now_touching != c.touching
+}
+
+/// Is some point of the contact deep?
+fn note_depth(c: &mut Contact) {
+    let limit = -crowd::DEEP_SLOPS * c.slop;
+    let deep = |m: &ContactManifold| m.points.iter().take(usize::from(m.count)).any(|p| p.separation < limit);
+    let deep = c.manifolds().any(deep);
+    put(&mut c.deep, deep);
 }
 
 /// Writes what changes only: a line that nothing was written to need not go back to memory.
@@ -252,7 +242,8 @@ fn way(c: &Contact, pose: &Pose) -> f32 {
 
 /// sin²(θ/2) of each body's turn in the world since then.
 fn turns(world: &World, c: &Contact) -> [f32; 2] {
-    let turned = |b: u32, then: Quat| then.inverse_mul(world.frames[b as usize].rotation).xyz().length_squared();
+    let turned =
+        |b: u32, then: Quat| then.inverse_mul(world.frames[b as usize].rotation).xyz().length_squared();
     [turned(c.body_a, c.tested_rotations[0]), turned(c.body_b, c.tested_rotations[1])]
 }
 
@@ -299,7 +290,7 @@ fn recycle(world: &World, c: &mut Contact, pose: &Pose, room: &mut f32, dt: f32)
 ///
 /// With d from A's centre to B's, recycling is decided by |Δ(Rₐᵀ d + R m)| + 2 sin(φ/2) l, where R is B's rotation in A's axes and φ its angle. From a look
 /// at d₁ on, that grows by no more than |d − d₁| + 2 sin(α/2) (|d₁| + l + |m|) + 2 sin(β/2) (l + |m|) for turns of A by α and of B by β. Part of what is
-/// left of the tolerance is for [`stays_near`], the rest for these.
+/// left of the tolerance is for the centres ([`PairHead::near`]), the rest for these.
 fn turns_left(c: &Contact, d: Vec3, moved: f32, sines: [f32; 2]) -> f32 {
     if c.spare != 0.0 {
         return 0.0;
@@ -317,11 +308,22 @@ fn between(world: &World, bodies: [u32; 2]) -> Vec3 {
     (fb.center - fa.center).as_vec3()
 }
 
-/// Is B's centre, seen from A's, about where it was at the last look?
-fn stays_near(world: &World, c: &Contact, h: &PairHead) -> bool {
-    let moved = between(world, h.bodies) - h.looked;
-    let most = NEAR * c.recycle_tolerance;
-    moved.length_squared() < most * most
+/// Is it certain that a look would keep the manifolds?
+fn is_kept(world: &World, h: &PairHead) -> bool {
+    gone(world, h, true) < h.until
+        && (between(world, h.bodies) - h.looked).length_squared() < h.near * h.near
+        && bounds_overlap(world, h)
+}
+
+/// What the narrow phase left undone of a pair whose manifolds it knew to be kept, without a look at them.
+pub(super) fn keep(world: &World, c: &mut Contact) {
+    debug_assert!(
+        c.tested && c.spare == 0.0 && !is_too_far(c, way(c, &relative_pose(world, c)), turns(world, c)),
+        "a look at contact {} would have tested it",
+        c.id
+    );
+    renew_gaps(world, c);
+    note_depth(c);
 }
 
 /// Gaps of all points, where the bodies are now.

@@ -1,9 +1,9 @@
 //! Colours the manifolds and fills the solver's rows.
 
-use super::{Scratch, Step};
+use super::{Scratch, Step, narrowphase};
 use crate::room::contacts::prepare::{Prepare, Sources, fill};
 use crate::room::contacts::rows::{Block, LANES};
-use crate::room::contacts::state::{Contact, ContactManifold};
+use crate::room::contacts::state::{Contact, ContactManifold, PairHead};
 use crate::room::contacts::{crowd, load};
 use crate::room::rigid::state::NONE;
 use crate::world::World;
@@ -111,20 +111,23 @@ impl Points {
 fn outline(world: &mut World) {
     let mut outlines = core::mem::take(&mut world.scratch.outlines);
     outlines.begin(world.contacts.len().div_ceil(CONTACTS), CONTACTS);
-    let columns = (&mut world.contacts[..], &world.heads[..]);
-    world.tasks.for_each_piece(columns, CONTACTS, |first, (contacts, heads)| {
+    let mut contacts = core::mem::take(&mut world.contacts);
+    let shared: &World = world;
+    let columns = (&mut contacts[..], &shared.heads[..]);
+    shared.tasks.for_each_piece(columns, CONTACTS, |first, (contacts, heads)| {
         let mut out = outlines.of(first / CONTACTS);
         for (i, h) in heads.iter().enumerate() {
-            // What is read of a contact lies in two lines.
-            if let Some(ahead) = contacts.get(i + AHEAD).filter(|_| heads[i + AHEAD].touching) {
-                prefetch(&ahead.hit_speed);
-                prefetch(&ahead.manifold.normal);
+            if let Some(ahead) = contacts.get(i + AHEAD) {
+                call(shared, ahead, &heads[i + AHEAD]);
             }
             if h.touching {
                 let c = &mut contacts[i];
+                if h.kept {
+                    narrowphase::keep(shared, c);
+                }
                 out.push(Outline {
                     contact: (first + i) as u32,
-                    items: h.bodies.map(|b| world.items[b as usize]),
+                    items: h.bodies.map(|b| shared.items[b as usize]),
                     manifolds: c.manifold_count() as u32,
                     points: Points::of(c),
                     deep: c.deep,
@@ -135,7 +138,19 @@ fn outline(world: &mut World) {
             }
         }
     });
-    world.scratch.outlines = outlines;
+    (world.contacts, world.scratch.outlines) = (contacts, outlines);
+}
+
+/// Asks for what the outline of a contact reads.
+fn call(world: &World, c: &Contact, h: &PairHead) {
+    if h.touching {
+        prefetch(&c.hit_speed);
+        prefetch(&c.manifold.normal);
+    }
+    if h.kept {
+        c.manifold.prefetch_gaps();
+        h.bodies.iter().for_each(|&b| prefetch(&world.frames[b as usize]));
+    }
 }
 
 /// Greedy colouring in contact order: cheap enough to do afresh every step, so that it is no state. Beside it what bodies bear is summed up, and what is

@@ -7,7 +7,7 @@
 //! the first one's plane only, however deep, and would go through. Every test reads the manifolds as the narrow phase left them, so the
 //! order of the contacts does not matter.
 
-use super::Step;
+use super::{Step, narrowphase};
 use crate::room::contacts::state::ContactPlace;
 use crate::room::rigid::desc::BodyKind;
 use crate::room::rigid::state::NONE;
@@ -53,9 +53,17 @@ pub(crate) fn run(world: &mut World, _: &Step) {
             bodies.iter().for_each(|&b| body(shared, b, patches, &mut lists.of(first / BODIES)));
         });
     });
-    seams.for_each(|(m, normal)| match normal {
-        Some(normal) => adopt(world, m, *normal),
-        None => drop(world, m),
+    seams.for_each(|(m, normal)| {
+        let row = m.row as usize;
+        if core::mem::take(&mut world.heads[row].kept) {
+            let mut contacts = core::mem::take(&mut world.contacts);
+            narrowphase::keep(world, &mut contacts[row]);
+            world.contacts = contacts;
+        }
+        match normal {
+            Some(normal) => adopt(world, m, *normal),
+            None => drop(world, m),
+        }
     });
     (world.scratch.renewed, world.scratch.seams) = (bodies, seams);
 }
@@ -142,6 +150,7 @@ fn drop(world: &mut World, m: &Patch) {
     let Some(manifold) = c.manifolds_mut().nth(m.index) else { return };
     manifold.count = 0;
     c.tested = false;
+    world.heads[m.row as usize].until = f64::NEG_INFINITY;
 }
 
 /// Gives a manifold another normal; its points stay, their gaps are measured along the new one.

@@ -153,6 +153,13 @@ impl ContactManifold {
         prefetch(&self.points);
         prefetch(&self.surface);
     }
+    /// Asks for the lines that gaps are found from.
+    #[inline(always)]
+    pub fn prefetch_gaps(&self) {
+        prefetch(&self.points);
+        prefetch(&self.anchors);
+        prefetch(&self.anchors[2]);
+    }
     /// Points with where they are on the bodies.
     pub fn points(&self) -> impl Iterator<Item = (&Point, &Anchor)> {
         self.points.iter().zip(&self.anchors).take(usize::from(self.count))
@@ -225,9 +232,13 @@ pub(crate) struct PairHead {
     pub until: f64,
     /// Of a pair that touches: from A's centre of mass to B's as it was last looked at, world axes.
     pub looked: Vec3,
+    /// How far that may change, m.
+    pub near: f32,
     /// Copies of [`Contact::touching`] and [`Contact::fixed`].
     pub touching: bool,
     pub fixed: bool,
+    /// Manifolds are those of the last step for certain: the gaps are found as the solver's rows are.
+    pub kept: bool,
 }
 
 impl PairHead {
@@ -237,6 +248,8 @@ impl PairHead {
             bodies: [c.body_a, c.body_b],
             until: f64::NEG_INFINITY,
             looked: Vec3::ZERO,
+            near: 0.0,
+            kept: false,
             touching: c.touching,
             fixed: c.fixed,
         }
