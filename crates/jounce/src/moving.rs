@@ -131,9 +131,11 @@ mod tests {
         let mut there: Vec<Option<(u32, Aabb)>> = vec![None; 200];
         let mut late = 0;
         for round in 0..400 {
-            let mut anywhere = |_| Vec3::new(random(100) as f32, random(100) as f32, random(100) as f32);
-            let boxes: Vec<Aabb> =
-                (0..200).map(|i| anywhere(i)).map(|p| Aabb::new(p, p + Vec3::splat(20.0))).collect();
+            let mut boxes = Vec::new();
+            boxes.resize_with(200, || {
+                let p = Vec3::new(random(100) as f32, random(100) as f32, random(100) as f32);
+                Aabb::new(p, p + Vec3::splat(20.0))
+            });
             for (i, slot) in there.iter_mut().enumerate() {
                 match (random(8), *slot) {
                     (0, None) => *slot = Some((tree.insert(boxes[i], i as u32), boxes[i])),
