@@ -5,6 +5,8 @@
 //!   shape.
 //! * Of equally good answers the shape with the lowest slot wins, and lists are sorted: what the trees look like cannot be
 //!   seen.
+//! * The first question after a step in which much moved brings the tree of what moves up to date (`crate::moving`); others
+//!   that are asked at that moment wait for it.
 //! * Input that is not finite (or a shape that fails [`Shape::check`]) finds nothing.
 
 mod cast;

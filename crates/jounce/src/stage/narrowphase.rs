@@ -594,8 +594,8 @@ mod tests {
         assert!(touched > 30, "{touched}");
     }
 
-    /// Where nothing is known for certain every pair that touches is looked at; that changes nothing. A heap of boxes, planks and drums that turn against one another, on
-    /// tiles whose seams give normals to what lies over them.
+    /// Where nothing is known for certain every pair that touches is looked at, and that changes nothing: a heap of boxes, planks and drums, on tiles
+    /// and on a turntable.
     #[test]
     fn pairs_that_are_kept_unseen_are_as_if_looked_at() {
         let world = || {
