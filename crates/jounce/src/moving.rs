@@ -5,13 +5,15 @@
 //! when that was.
 
 use jounce_geometry::{Aabb, Bvh};
-use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 #[derive(Debug, Default)]
 pub(crate) struct MovingTree {
     /// Empty while it is late.
     tree: OnceLock<Bvh>,
     late: Mutex<Late>,
+    /// Leaves.
+    count: usize,
 }
 
 /// A tree and what has moved since.
@@ -59,11 +61,7 @@ impl Late {
 impl MovingTree {
     /// The tree as of now.
     pub fn get(&self) -> &Bvh {
-        self.tree.get_or_init(|| self.lock().catch_up())
-    }
-
-    fn lock(&self) -> MutexGuard<'_, Late> {
-        self.late.lock().unwrap_or_else(PoisonError::into_inner)
+        self.tree.get_or_init(|| self.late.lock().unwrap_or_else(PoisonError::into_inner).catch_up())
     }
 
     fn late(&mut self) -> &mut Late {
@@ -80,7 +78,7 @@ impl MovingTree {
 
     /// Leaves.
     pub fn len(&self) -> usize {
-        self.tree.get().map_or_else(|| self.lock().tree.len(), Bvh::len)
+        self.count
     }
 
     /// Gives leaves new boxes, of which the tree hears when it is asked. `leaves` is called once, with what takes a leaf and its box.
@@ -93,12 +91,15 @@ impl MovingTree {
     }
 
     pub fn insert(&mut self, aabb: Aabb, data: u32) -> u32 {
-        self.tree().insert(aabb, data)
+        let leaf = self.tree().insert(aabb, data);
+        self.count = self.tree().len();
+        leaf
     }
 
     pub fn remove(&mut self, leaf: u32) {
         self.late().forget(leaf);
         self.tree().remove(leaf);
+        self.count = self.tree().len();
     }
 
     pub fn update(&mut self, leaf: u32, aabb: Aabb) {
@@ -109,7 +110,7 @@ impl MovingTree {
 
 impl Clone for MovingTree {
     fn clone(&self) -> Self {
-        Self { tree: OnceLock::from(self.get().clone()), late: Mutex::default() }
+        Self { tree: OnceLock::from(self.get().clone()), late: Mutex::default(), count: self.count }
     }
 }
 

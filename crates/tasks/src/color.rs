@@ -69,7 +69,7 @@ const COLOR_BITS: u32 = WRITTEN_LATE - 1;
 /// Colours open to rows with two written items; those above are kept for rows with one.
 const PAIR_COLORS: u32 = 20;
 
-/// Rows to a unit of work, if blocks are smaller: some microseconds of contact solving, against a claim's tenth of one.
+/// Rows to a unit of work, if blocks are smaller: the best part of a microsecond of contact solving, against a claim's tenth of one.
 const ROWS_PER_UNIT: usize = 32;
 
 /// What a row does with one of its items.

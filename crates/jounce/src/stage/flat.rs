@@ -156,7 +156,8 @@ impl Flat {
             }
         });
         self.places.retain(|&p| p != NOWHERE);
-        if tasks.is_serial() {
+        // There may be none: sensors move in the tree that is counted, and are not in this one.
+        if tasks.is_serial() || self.places.len() < LEAST {
             self.places.sort_unstable();
             return;
         }
@@ -275,6 +276,7 @@ mod tests {
     use crate::{BodyDesc, ShapeDesc, WorldDesc};
     use jounce_lanes::{Width, dispatch, dispatch_arrays};
     use jounce_math::Vec3;
+    use jounce_tasks::Tasks;
 
     /// Bodies of many sizes, of which some moved: every width finds each new pair once, as one look at all of them does.
     #[test]
@@ -333,6 +335,26 @@ mod tests {
                     assert_eq!(got, want, "{n} shapes, {width} lanes, arrays: {arrays}");
                 }
             }
+        }
+    }
+
+    /// Sensors move in the tree that says whether a flat one is worth it, but are not in that: it may stay empty, on any number of threads.
+    #[test]
+    fn nothing_solid_may_move() {
+        for tasks in [Tasks::serial(), Tasks::pool(2)] {
+            let mut w = World::new(WorldDesc::default()).expect("valid");
+            w.set_tasks(tasks);
+            for i in 0..LEAST + 44 {
+                let at = [(i % 20) as f64, (i / 20) as f64, 0.0];
+                let sensor = ShapeDesc::sphere(0.4).sensor();
+                w.add_body(BodyDesc::kinematic().at(at).velocity([9.0, 0.0, 0.0]).shape(sensor))
+                    .expect("valid");
+            }
+            assert!(Flat::default().build(&w), "the case is not met");
+            for _ in 0..5 {
+                w.step().expect("valid");
+            }
+            assert!(w.contacts.is_empty());
         }
     }
 }
