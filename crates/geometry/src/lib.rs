@@ -28,7 +28,7 @@ pub use convex::{
 };
 pub use error::GeometryError;
 pub use manifold::{FACE_A, FACE_B, Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache};
-pub use pairs::{Near, collide, collide_again};
+pub use pairs::{Batch, Near, collide, collide_again};
 pub use shapes::compound::Compound;
 pub use shapes::height_field::HeightField;
 pub use shapes::submerged::Submerged;

@@ -38,6 +38,7 @@ mod array;
 mod doubles;
 #[cfg(target_arch = "aarch64")]
 mod neon;
+mod vectors;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 mod wasm;
 mod width;
@@ -48,6 +49,7 @@ use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Sub};
 
 pub use array::{Array, ArrayBits, ArrayMask};
 pub use doubles::{DOUBLES_MAX, Double, Doubles};
+pub use vectors::Wide3;
 pub use width::Width;
 
 /// The widest width; every width divides it.

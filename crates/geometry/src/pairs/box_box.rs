@@ -1,120 +1,53 @@
-//! Box against box: separating axes, then a clipped face or one edge point.
-//!
-//! The fifteen candidate axes are the face normals of A (columns of I) and of B (columns of R, the rotation of B in A's
-//! frame) and their nine cross products. On an axis L the gap is (|p·L| − r_A − r_B)/|L|, with p the centre of B and r
-//! the half widths Σ hᵢ|L·axisᵢ|; the largest gap decides (S. Gottschalk, M. Lin, D. Manocha, "OBBTree", 1996).
-//!
-//! Faces win over edges, A's faces over B's, and last step's axis over the others, unless the other is better by
-//! `tolerance`: faces give up to four points and a stack must not change its mind from step to step.
+//! Box against box: from the axis that decides ([`super::box_axes`]) to a clipped face or one edge point.
 //!
 //! A face contact clips the other box's most opposed face against the sides of the reference face (I. Sutherland,
 //! G. Hodgman, 1974), in two dimensions plus depth.
 
+use super::box_axes::{self, BoxAxis};
 use super::capsule::segments;
 use super::one_point;
 use super::reduce::reduce;
+use super::wide::PairRow;
 use crate::convex::core::{Core, sign};
 use crate::convex::gjk::{Difference, Gjk};
 use crate::{FACE_A, FACE_B, Manifold, ManifoldPoint, NO_SUB, PairCache};
-use jounce_math::{Mat3, Pose, Vec3, scalar::f32s};
+use jounce_lanes::Width;
+use jounce_math::{Mat3, Pose, Vec3};
 
 /// Longest polygon: four corners and one more for each of four cuts.
 const POLYGON_MAX: usize = 8;
 
-/// Contact of box A (half extents `ha`) and box B (`hb`) at `pose`.
-pub(crate) fn box_box(
-    ha: Vec3,
-    hb: Vec3,
-    pose: &Pose,
-    margin: f32,
-    cache: &mut PairCache,
-) -> Option<Manifold> {
-    let r = pose.q.to_mat3();
-    let p = pose.p;
-    let pb = r.transpose_mul(p);
-    let abs = Mat3::from_columns(r.cx.abs(), r.cy.abs(), r.cz.abs());
-    let gap_a = p.abs() - ha - abs * hb;
-    if gap_a.max_component() > margin {
-        cache.gap = gap_a.max_component();
-        return None;
-    }
-    let gap_b = pb.abs() - hb - abs.transpose_mul(ha);
-    if gap_b.max_component() > margin {
-        cache.gap = gap_b.max_component();
-        return None;
-    }
-    let tolerance = f32s::min(1e-3 * f32s::min(ha.min_component(), hb.min_component()), 5e-4);
-    // Axis numbers: 0–2 faces of A, 3–5 faces of B, 6–14 edges, one more in the cache.
-    let known = cache.kind.wrapping_sub(1);
-    let bonus = |axis: usize| if axis as u32 == known { tolerance } else { 0.0 };
-    let (mut axis, mut gap) = (0, f32::NEG_INFINITY);
-    for i in 0..3 {
-        let s = gap_a[i] + bonus(i);
-        if s > gap + tolerance * 0.5 || i == 0 {
-            (axis, gap) = (i, s);
-        }
-    }
-    for i in 0..3 {
-        let s = gap_b[i] + bonus(3 + i);
-        if s > gap + tolerance * 0.5 {
-            (axis, gap) = (3 + i, s);
-        }
-    }
-    let edge = edge_axes(ha, hb, &r, &abs, p, gap + tolerance, known, tolerance);
-    if let Some((_, s)) = edge
-        && s > margin
-    {
-        return None;
-    }
-    let m = if let Some((k, s)) = edge {
-        cache.kind = 7 + k as u32;
-        edge_contact(ha, hb, &r, p, k, s)
-    } else {
-        cache.kind = 1 + axis as u32;
-        face_contact(ha, hb, &r, p, pb, axis, margin, cache)
-    };
-    m.or_else(|| corner_contact(ha, hb, pose, margin))
+/// Which axis the last test found.
+fn known(cache: &PairCache) -> Option<u32> {
+    cache.kind.checked_sub(1)
 }
 
-/// The best of the nine edge axes if its gap beats `floor`, as (3 i + j, gap).
-#[inline(always)]
-fn edge_axes(
-    ha: Vec3,
-    hb: Vec3,
-    r: &Mat3,
-    abs: &Mat3,
-    p: Vec3,
-    floor: f32,
-    known: u32,
-    bonus: f32,
-) -> Option<(usize, f32)> {
-    let mut best = None;
-    let mut gap = floor;
-    let columns = [(r.cx, abs.cx), (r.cy, abs.cy), (r.cz, abs.cz)];
-    for (j, &(c, ac)) in columns.iter().enumerate() {
-        let (j1, j2) = ((j + 1) % 3, (j + 2) % 3);
-        let (a1, a2) = (columns[j1].1, columns[j2].1);
-        for i in 0..3 {
-            let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
-            let reach = ha[i1] * ac[i2] + ha[i2] * ac[i1] + hb[j1] * a2[i] + hb[j2] * a1[i];
-            let s = (p[i2] * c[i1] - p[i1] * c[i2]).abs() - reach;
-            // |L| ≤ 1, so a negative gap only gets deeper by the division.
-            if s < 0.0 && s <= gap - bonus {
-                continue;
-            }
-            let l2 = c[i1] * c[i1] + c[i2] * c[i2];
-            if l2 < 1e-5 {
-                continue;
-            }
-            let s = s / l2.sqrt();
-            let favoured = if known == (6 + 3 * i + j) as u32 { s + bonus } else { s };
-            if favoured > gap {
-                gap = favoured;
-                best = Some((3 * i + j, s));
-            }
-        }
-    }
-    best
+/// The pair of box A (half extents `ha`) and box B (`hb`) at `pose`, whose axis is to be found.
+pub(super) fn row(ha: Vec3, hb: Vec3, pose: &Pose, margin: f32, cache: &PairCache) -> PairRow {
+    box_axes::row([ha, hb], pose, margin, known(cache))
+}
+
+/// Their contact.
+pub(super) fn box_box(row: &PairRow, cache: &mut PairCache) -> Option<Manifold> {
+    let mut axis = [BoxAxis::default()];
+    box_axes::find(Width::X1, core::slice::from_ref(row), &mut axis);
+    at_axis(row, &axis[0], cache)
+}
+
+/// The same where the axis is found already.
+pub(super) fn at_axis(row: &PairRow, axis: &BoxAxis, cache: &mut PairCache) -> Option<Manifold> {
+    let Some(number) = axis.number else {
+        cache.gap = axis.gap;
+        return None;
+    };
+    let (ha, hb, pose, margin) = (row.a(), row.b(), &row.pose(), row.margin());
+    let r = pose.q.to_mat3();
+    cache.kind = 1 + number;
+    let m = match number.checked_sub(6) {
+        Some(k) => edge_contact(ha, hb, &r, pose.p, k as usize, axis.gap),
+        None => face_contact(ha, hb, &r, pose.p, number as usize, margin, cache),
+    };
+    m.or_else(|| corner_contact(ha, hb, pose, margin))
 }
 
 fn edge_contact(ha: Vec3, hb: Vec3, r: &Mat3, p: Vec3, k: usize, gap: f32) -> Option<Manifold> {
@@ -166,7 +99,6 @@ fn face_contact(
     hb: Vec3,
     r: &Mat3,
     p: Vec3,
-    pb: Vec3,
     axis: usize,
     margin: f32,
     cache: &mut PairCache,
@@ -174,7 +106,7 @@ fn face_contact(
     if axis < 3 {
         return clip_faces(ha, hb, r, p, axis, margin, 0, cache);
     }
-    let m = clip_faces(hb, ha, &r.transpose(), -pb, axis - 3, margin, 1, cache)?;
+    let m = clip_faces(hb, ha, &r.transpose(), -r.transpose_mul(p), axis - 3, margin, 1, cache)?;
     let mut m = Manifold { normal: -(*r * m.normal), faces: FACE_B, ..m };
     for q in &mut m.points[..usize::from(m.count)] {
         q.point = *r * q.point + p;

@@ -1,9 +1,11 @@
-//! Capsules against capsules, and the separating axes of a segment that cuts a polyhedron.
+//! Capsules and balls against one another, several pairs at a time, and the separating axes of a segment that cuts a polyhedron.
 
 use super::hull_hull::Axis;
 use super::one_point;
 use super::poly::Poly;
-use crate::{Manifold, ManifoldPoint};
+use super::wide::{PairRow, Pairs};
+use crate::{Manifold, ManifoldPoint, PairCache};
+use jounce_lanes::{Array, Kernel, Lanes, Wide3, Width, dispatch};
 use jounce_math::{Pose, Vec3, scalar::f32s};
 
 /// Axes closer to each other than this (cosine; 1.1°) are parallel.
@@ -11,59 +13,135 @@ const PARALLEL_COSINE: f32 = 0.9998;
 
 /// Parameters s, t in 0…1 of the closest points p1 + s d1 and p2 + t d2.
 pub(crate) fn segments(p1: Vec3, d1: Vec3, p2: Vec3, d2: Vec3) -> (f32, f32) {
-    let r = p1 - p2;
-    let (a, e, f) = (d1.length_squared(), d2.length_squared(), d2.dot(r));
-    let tiny = f32::MIN_POSITIVE;
-    if a <= tiny && e <= tiny {
-        return (0.0, 0.0);
-    }
-    if a <= tiny {
-        return (0.0, f32s::clamp(f / e, 0.0, 1.0));
-    }
-    let c = d1.dot(r);
-    if e <= tiny {
-        return (f32s::clamp(-c / a, 0.0, 1.0), 0.0);
-    }
-    let b = d1.dot(d2);
-    let denominator = a * e - b * b;
-    let mut s =
-        if denominator > 1e-7 * a * e { f32s::clamp((b * f - c * e) / denominator, 0.0, 1.0) } else { 0.5 };
-    let mut t = (b * s + f) / e;
-    if !(0.0..=1.0).contains(&t) {
-        t = f32s::clamp(t, 0.0, 1.0);
-        s = f32s::clamp((b * t - c) / a, 0.0, 1.0);
-    }
-    (s, t)
+    let wide = |v: Vec3| {
+        let [x, y, z] = [v.x, v.y, v.z].map(Array::<1>::splat);
+        Wide3::new(x, y, z)
+    };
+    let (s, t) = segments_in(wide(p1), wide(d1), wide(p2), wide(d2));
+    let mut out = [0.0; 2];
+    s.store(&mut out[..1]);
+    t.store(&mut out[1..]);
+    (out[0], out[1])
 }
 
-/// Capsule A along y (half height `ha`), capsule B at `pose`.
-pub(crate) fn capsule_capsule(
-    (ha, ra): (f32, f32),
-    (hb, rb): (f32, f32),
-    pose: &Pose,
-    margin: f32,
-) -> Option<Manifold> {
-    let axis = pose.q.rotate(Vec3::Y);
-    let (p1, d1) = (Vec3::new(0.0, -ha, 0.0), Vec3::new(0.0, 2.0 * ha, 0.0));
-    let (p2, d2) = (pose.p - axis * hb, axis * (2.0 * hb));
-    let (s, t) = segments(p1, d1, p2, d2);
-    let (a, b) = (p1 + d1 * s, p2 + d2 * t);
-    let d = b - a;
+/// The same in lanes.
+#[inline(always)]
+fn segments_in<L: Lanes>(p1: Wide3<L>, d1: Wide3<L>, p2: Wide3<L>, d2: Wide3<L>) -> (L, L) {
+    let (zero, one, tiny) = (L::zero(), L::splat(1.0), L::splat(f32::MIN_POSITIVE));
+    let r = p1.sub(p2);
+    let (a, e, f) = (d1.dot(d1), d2.dot(d2), d2.dot(r));
+    let (b, c) = (d1.dot(d2), d1.dot(r));
+    let (is_point_1, is_point_2) = (a.le(tiny), e.le(tiny));
+    let denominator = a * e - b * b;
+    let crossing = denominator.gt(L::splat(1e-7) * a * e);
+    let s = L::select(crossing, clamp((b * f - c * e) / denominator), L::splat(0.5));
+    let t = (b * s + f) / e;
+    let inside = t.ge(zero) & t.le(one);
+    let t = L::select(inside, t, clamp(t));
+    let s = L::select(inside, s, clamp((b * t - c) / a));
+    // A point, or two.
+    let s = L::select(is_point_2, clamp(-c / a), s);
+    let t = L::select(is_point_1, clamp(f / e), t);
+    (L::select(is_point_1, zero, s), L::select(is_point_2, zero, t))
+}
+
+#[inline(always)]
+fn clamp<L: Lanes>(x: L) -> L {
+    x.max(L::zero()).min(L::splat(1.0))
+}
+
+/// The closest points of two capsules' segments. A's is on its axis, y.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Nearest {
+    a: f32,
+    b: Vec3,
+    /// Unit, of B's segment.
+    axis: Vec3,
+    /// What the capsules are apart, m, where that is more than the margin.
+    apart: Option<f32>,
+}
+
+/// The pair of two capsules by half heights and radii; balls have no height.
+pub(super) fn row([(ha, ra), (hb, rb)]: [(f32, f32); 2], pose: &Pose, margin: f32) -> PairRow {
+    PairRow::new(pose, margin, Vec3::new(ha, ra, 0.0), Vec3::new(hb, rb, 0.0), 0.0)
+}
+
+/// The closest points of every pair.
+///
+/// # Panics
+/// Where `nearest` is not as long as `rows`.
+pub(super) fn find(width: Width, rows: &[PairRow], nearest: &mut [Nearest]) {
+    assert_eq!(rows.len(), nearest.len(), "a place for each pair's points");
+    dispatch(width, Find { rows, nearest });
+}
+
+struct Find<'a> {
+    rows: &'a [PairRow],
+    nearest: &'a mut [Nearest],
+}
+
+impl Kernel for Find<'_> {
+    type Output = ();
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (rows, nearest) in self.rows.chunks(L::WIDTH).zip(self.nearest.chunks_mut(L::WIDTH)) {
+            let columns = nearest_in(&Pairs::<L>::load(rows));
+            L::scatter8(
+                columns,
+                #[inline(always)]
+                |lane, [a, x, y, z, u, v, w, apart]| {
+                    if let Some(to) = nearest.get_mut(lane) {
+                        let (b, axis) = (Vec3::new(x, y, z), Vec3::new(u, v, w));
+                        *to = Nearest { a, b, axis, apart: (apart > f32::NEG_INFINITY).then_some(apart) };
+                    }
+                },
+            );
+        }
+    }
+}
+
+#[inline(always)]
+fn nearest_in<L: Lanes>(pairs: &Pairs<L>) -> [L; 8] {
+    let Pairs { p, q, margin, a: Wide3 { x: ha, y: ra, .. }, b: Wide3 { x: hb, y: rb, .. }, .. } = *pairs;
+    let (zero, two) = (L::zero(), L::splat(2.0));
+    let axis = q.rotate_y();
+    let (p1, d1) = (Wide3::new(zero, -ha, zero), Wide3::new(zero, two * ha, zero));
+    let (p2, d2) = (p.sub(axis.scale(hb)), axis.scale(two * hb));
+    let (s, t) = segments_in(p1, d1, p2, d2);
+    let (a, b) = (p1.y + d1.y * s, p2.add(d2.scale(t)));
+    let d = Wide3::new(b.x, b.y - a, b.z);
+    let squared = d.dot(d);
     let reach = ra + rb + margin;
-    if d.length_squared() > reach * reach {
+    let apart = L::select(squared.gt(reach * reach), squared.sqrt() - ra - rb, L::splat(f32::NEG_INFINITY));
+    [a, b.x, b.y, b.z, axis.x, axis.y, axis.z, apart]
+}
+
+/// The contact of two capsules, or balls.
+pub(super) fn capsules(row: &PairRow, cache: &mut PairCache) -> Option<Manifold> {
+    let mut nearest = [Nearest::default()];
+    find(Width::X1, core::slice::from_ref(row), &mut nearest);
+    at_points(row, &nearest[0], cache)
+}
+
+/// The same where the closest points are found already.
+pub(super) fn at_points(row: &PairRow, near: &Nearest, cache: &mut PairCache) -> Option<Manifold> {
+    if let Some(gap) = near.apart {
+        cache.gap = gap;
         return None;
     }
-    // Crossing axes have no direction: use their common perpendicular.
-    let Some((n, distance)) = d.try_normalize() else {
+    let (Vec3 { x: ha, y: ra, .. }, Vec3 { x: hb, y: rb, .. }, margin) = (row.a(), row.b(), row.margin());
+    let (axis, a) = (near.axis, Vec3::new(0.0, near.a, 0.0));
+    // What touches where axes cross has no direction: their common perpendicular parts them.
+    let Some((n, distance)) = (near.b - a).try_normalize() else {
         let n = Vec3::Y.cross(axis).normalize_or(Vec3::X);
         return Some(one_point(n, a, -ra - rb, 0, 0));
     };
     // Nearly parallel: two points at the ends of the common stretch.
-    if axis.y.abs() > PARALLEL_COSINE
-        && n.y.abs() < 0.02
-        && let Some(m) = parallel(ha, ra, (p2, d2), rb, n, margin)
-    {
-        return Some(m);
+    if axis.y.abs() > PARALLEL_COSINE && n.y.abs() < 0.02 {
+        let (p2, d2) = (row.pose().p - axis * hb, axis * (2.0 * hb));
+        if let Some(m) = parallel(ha, ra, (p2, d2), rb, n, margin) {
+            return Some(m);
+        }
     }
     let sep = distance - ra - rb;
     (sep <= margin).then(|| one_point(n, a + n * (ra + 0.5 * sep), sep, 0, 0))

@@ -2,6 +2,8 @@
 //!
 //! A pair is tested in one order only (the higher [`rank`] is A); the other order is the same test, flipped.
 
+mod batch;
+mod box_axes;
 mod box_box;
 mod capsule;
 mod compound;
@@ -19,7 +21,9 @@ mod reduce;
 mod sieve;
 mod sphere;
 mod surface;
+mod wide;
 
+pub use batch::Batch;
 use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::{Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache, Shape};
@@ -53,6 +57,16 @@ pub(crate) fn rank(s: &Shape) -> u8 {
         Shape::HeightField(_) => 8,
         Shape::Compound(_) => 9,
     }
+}
+
+/// Half heights and radii of two capsules, or balls, in any order.
+fn capsules_of(a: &Shape, b: &Shape) -> Option<[(f32, f32); 2]> {
+    let one = |s: &Shape| match s {
+        Shape::Sphere { radius } => Some((0.0, *radius)),
+        Shape::Capsule { half_height, radius } => Some((*half_height, *radius)),
+        _ => None,
+    };
+    Some([one(a)?, one(b)?])
 }
 
 /// Where two overlapping cores (with radii) touch and the direction from A to B that parts them soonest.
@@ -123,6 +137,10 @@ fn append(
     scratch: (&mut Scratch, &mut MeshScratch),
     out: &mut Vec<Manifold>,
 ) {
+    if let Some(both) = capsules_of(a, b) {
+        out.extend(capsule::capsules(&capsule::row(both, b_in_a, margin), cache.0));
+        return;
+    }
     if rank(a) >= rank(b) {
         ordered(a, b, b_in_a, margin, cache, scratch, out);
         return;
@@ -197,17 +215,10 @@ fn convex(
     scratch: &mut Scratch,
 ) -> Option<Manifold> {
     match (a, b) {
-        (Shape::Sphere { radius: ra }, Shape::Sphere { radius: rb }) => {
-            sphere::balls(Vec3::ZERO, *ra, pose.p, *rb, margin, 0)
-        }
-        (Shape::Capsule { half_height, radius: ra }, Shape::Sphere { radius: rb }) => {
-            sphere::capsule_sphere(*half_height, *ra, *rb, pose.p, margin)
-        }
-        (Shape::Capsule { half_height: ha, radius: ra }, Shape::Capsule { half_height: hb, radius: rb }) => {
-            capsule::capsule_capsule((*ha, *ra), (*hb, *rb), pose, margin)
-        }
         (Shape::Box { half }, Shape::Sphere { radius }) => sphere::box_sphere(*half, *radius, pose.p, margin),
-        (Shape::Box { half: ha }, Shape::Box { half: hb }) => box_box::box_box(*ha, *hb, pose, margin, cache),
+        (Shape::Box { half: ha }, Shape::Box { half: hb }) => {
+            box_box::box_box(&box_box::row(*ha, *hb, pose, margin, cache), cache)
+        }
         _ => general::convex(&Convex::of(a)?, &Convex::of(b)?, pose, margin, cache, scratch),
     }
 }

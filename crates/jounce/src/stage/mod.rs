@@ -31,7 +31,7 @@ use crate::room::contacts::impact::Impacts;
 use crate::room::contacts::prepare::StepConstants;
 use crate::room::contacts::rows::{Block, LANES};
 use crate::room::rigid::state::NONE;
-use jounce_geometry::ManifoldSet;
+use jounce_geometry::{Batch, ManifoldSet};
 use jounce_tasks::ColorSets;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError, RwLock, RwLockWriteGuard};
@@ -72,6 +72,7 @@ pub(crate) struct Scratch {
     /// Contact rows that are left a part of their push-out.
     pub shares: Vec<(u32, f32)>,
     pub sets: Lent<ManifoldSet>,
+    pub batches: Lent<Batch>,
     pub news: News,
     /// Candidate pairs, one list per unit of the broad phase.
     pub candidates: Vec<Vec<u64>>,

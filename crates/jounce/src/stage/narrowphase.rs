@@ -7,7 +7,7 @@ use crate::room::contacts::desc::{Combine, Material};
 use crate::room::contacts::state::{Anchor, Contact, ContactManifold, PairHead, Point, ShapeRecord, Surface};
 use crate::room::rigid::state::{BodyFrame, NONE};
 use crate::world::World;
-use jounce_geometry::{Manifold, ManifoldSet, Shape, collide_again};
+use jounce_geometry::{Batch, Manifold, ManifoldSet, Shape};
 use jounce_lanes::prefetch;
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 
@@ -61,24 +61,32 @@ pub(crate) fn run(world: &mut World, step: &Step) {
             }
         }
         if tests.count > 0 {
-            shared.scratch.sets.lend(|set| {
+            shared.scratch.batches.lend(|batch| {
+                batch.clear();
                 for k in 0..tests.count + TESTS_AHEAD {
                     if let Some(i) = tests.get(k) {
                         shared.shapes.call(chunk[i].shape_a);
                         shared.shapes.call(chunk[i].shape_b);
                     }
-                    let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) else { continue };
-                    let (c, h) = (&mut chunk[i], &mut heads[i]);
-                    test(shared, c, set, step.dt);
-                    // How far ahead a bouncing pair looks changes from step to step.
-                    let room = match (c.manifold.count > 0, c.bouncy) {
-                        (true, _) => turns_left(c, between(shared, h.bodies), 0.0, [0.0; 2]),
-                        (false, true) => 0.0,
-                        (false, false) => c.spare,
-                    };
-                    news |= u64::from(finish(shared, c, h, room)) << i;
-                    renewed |= u64::from(h.fixed && c.now_touching) << i;
+                    if let Some(i) = k.checked_sub(TESTS_AHEAD).and_then(|k| tests.get(k)) {
+                        aim(shared, &mut chunk[i], batch, step.dt);
+                    }
                 }
+                batch.run(shared.width);
+                shared.scratch.sets.lend(|set| {
+                    for (k, i) in (0..tests.count).filter_map(|k| tests.get(k)).enumerate() {
+                        let (c, h) = (&mut chunk[i], &mut heads[i]);
+                        test(shared, c, batch, k, set);
+                        // How far ahead a bouncing pair looks changes from step to step.
+                        let room = match (c.manifold.count > 0, c.bouncy) {
+                            (true, _) => turns_left(c, between(shared, h.bodies), 0.0, [0.0; 2]),
+                            (false, true) => 0.0,
+                            (false, false) => c.spare,
+                        };
+                        news |= u64::from(finish(shared, c, h, room)) << i;
+                        renewed |= u64::from(h.fixed && c.now_touching) << i;
+                    }
+                });
             });
         }
         shared.scratch.news.set(first / unit, news, renewed);
@@ -372,26 +380,37 @@ fn direction(body: u32) -> Vec3 {
     Vec3::new(r * f32s::cos(turn), r * f32s::sin(turn), z)
 }
 
-/// Tests the pair in its noted pose.
-fn test(world: &World, c: &mut Contact, set: &mut ManifoldSet, dt: f32) {
-    let pose = &{ c.tested_pose };
+/// A shape in the axes of its body, from the centre of mass.
+fn place_of(world: &World, r: &ShapeRecord, body: u32) -> Pose {
+    Pose::new(r.pose.p - world.frames[body as usize].local_center, r.pose.q)
+}
+
+/// Puts the pair, in its noted pose, among those to be tested.
+fn aim(world: &World, c: &mut Contact, batch: &mut Batch, dt: f32) {
     let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
-    let in_a = Pose::new(ra.pose.p - fa.local_center, ra.pose.q);
-    let in_b = Pose::new(rb.pose.p - fb.local_center, rb.pose.q);
-    let mut b_in_a = in_a.relative(&pose.compose(&in_b));
+    let (in_a, in_b) = (place_of(world, ra, c.body_a), place_of(world, rb, c.body_b));
+    let mut b_in_a = in_a.relative(&c.tested_pose.compose(&in_b));
     let thin = f32s::min(ra.thickness, rb.thickness);
     if b_in_a.p.length_squared() < NUDGE * NUDGE * thin * thin && ra.shape.is_convex() && rb.shape.is_convex()
     {
         b_in_a.p += (direction(c.body_b) - direction(c.body_a)) * (ASIDE * thin);
     }
     // Pairs that must be seen a step ahead: those that bounce, and bodies that must not be stopped between steps.
-    let bouncy =
+    c.bouncy =
         fa.looks_ahead || fb.looks_ahead || ra.material.restitution > 0.0 || rb.material.restitution > 0.0;
-    let margin = margin(world, c, bouncy, dt);
-    collide_again(&ra.shape, &rb.shape, &b_in_a, margin, &mut c.cache, &mut c.near, set);
-    c.spare = f32s::max(c.cache.gap - margin, 0.0);
-    (c.margin, c.bouncy) = (margin, bouncy);
+    c.margin = margin(world, c, c.bouncy, dt);
+    batch.push(&ra.shape, &rb.shape, &b_in_a, c.margin, &c.cache);
+}
+
+/// What the test of the pair found, which is number `k` of those that were tested together.
+fn test(world: &World, c: &mut Contact, batch: &Batch, k: usize, set: &mut ManifoldSet) {
+    let pose = &{ c.tested_pose };
+    let (ra, rb) = (&world.shapes[c.shape_a], &world.shapes[c.shape_b]);
+    let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
+    let in_a = place_of(world, ra, c.body_a);
+    batch.collide(k, &ra.shape, &rb.shape, &mut c.cache, &mut c.near, set);
+    c.spare = f32s::max(c.cache.gap - c.margin, 0.0);
     if set.manifolds.is_empty() && c.manifold.count == 0 {
         return;
     }

@@ -4,8 +4,10 @@
 //! 16, 4, 2 or 1 steps. Rows of a block touch disjoint bodies. Lanes without a row are zero throughout and change nothing.
 
 use crate::room::rigid::state::{BodyState, InvInertia};
-use jounce_lanes::{Array, Lanes, six};
+pub(crate) use jounce_lanes::Wide3;
+use jounce_lanes::{Array, Lanes};
 use jounce_math::Vec3;
+use std::ops::{Deref, DerefMut};
 
 /// Rows of a block.
 pub(crate) const LANES: usize = jounce_lanes::LANES_MAX;
@@ -31,71 +33,18 @@ impl LaneVec {
     }
 }
 
-/// A vector per lane, in registers.
-#[derive(Clone, Copy)]
-pub(crate) struct Wide3<L> {
-    pub x: L,
-    pub y: L,
-    pub z: L,
+impl Deref for LaneVec {
+    type Target = [Lane; 3];
+    #[inline(always)]
+    fn deref(&self) -> &[Lane; 3] {
+        &self.0
+    }
 }
 
-impl<L: Lanes> Wide3<L> {
+impl DerefMut for LaneVec {
     #[inline(always)]
-    pub fn new(x: L, y: L, z: L) -> Self {
-        Self { x, y, z }
-    }
-    #[inline(always)]
-    pub fn load(v: &LaneVec, at: usize) -> Self {
-        Self { x: L::load(&v.0[0][at..]), y: L::load(&v.0[1][at..]), z: L::load(&v.0[2][at..]) }
-    }
-    #[inline(always)]
-    pub fn store(self, v: &mut LaneVec, at: usize) {
-        self.x.store(&mut v.0[0][at..]);
-        self.y.store(&mut v.0[1][at..]);
-        self.z.store(&mut v.0[2][at..]);
-    }
-    #[inline(always)]
-    pub fn dot(self, o: Self) -> L {
-        self.x * o.x + self.y * o.y + self.z * o.z
-    }
-    #[inline(always)]
-    pub fn cross(self, o: Self) -> Self {
-        Self::new(self.y * o.z - self.z * o.y, self.z * o.x - self.x * o.z, self.x * o.y - self.y * o.x)
-    }
-    #[inline(always)]
-    pub fn add(self, o: Self) -> Self {
-        Self::new(self.x + o.x, self.y + o.y, self.z + o.z)
-    }
-    #[inline(always)]
-    pub fn sub(self, o: Self) -> Self {
-        Self::new(self.x - o.x, self.y - o.y, self.z - o.z)
-    }
-    #[inline(always)]
-    pub fn scale(self, s: L) -> Self {
-        Self::new(self.x * s, self.y * s, self.z * s)
-    }
-    /// T v for a symmetric tensor stored xx, yy, zz, xy, xz, yz.
-    #[inline(always)]
-    pub fn times(self, t: &[Lane; 6], at: usize) -> Self {
-        self.turned(&six(
-            #[inline(always)]
-            |i: usize| L::load(&t[i][at..]),
-        ))
-    }
-    /// The same for the inertia of a block's bodies.
-    #[inline(always)]
-    pub fn through(self, t: &[Lane; 6], round: bool, at: usize) -> Self {
-        if round { self.scale(L::load(&t[0][at..])) } else { self.times(t, at) }
-    }
-    /// The same for a tensor in registers.
-    #[inline(always)]
-    pub fn turned(self, t: &[L; 6]) -> Self {
-        let [xx, yy, zz, xy, xz, yz] = *t;
-        Self::new(
-            xx * self.x + xy * self.y + xz * self.z,
-            xy * self.x + yy * self.y + yz * self.z,
-            xz * self.x + yz * self.y + zz * self.z,
-        )
+    fn deref_mut(&mut self) -> &mut [Lane; 3] {
+        &mut self.0
     }
 }
 
