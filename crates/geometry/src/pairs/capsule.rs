@@ -11,6 +11,10 @@ use jounce_math::{Pose, Vec3, scalar::f32s};
 /// Axes closer to each other than this (cosine; 1.1°) are parallel.
 const PARALLEL_COSINE: f32 = 0.9998;
 
+/// Where segments are nearly parallel, the points found of them are farther apart than the closest ones, by less than this part of the shorter
+/// segment: below sin² of 1e-7 the middle is taken, where one of the ends may be nearer.
+const PARALLEL_ERROR: f32 = 1e-3;
+
 /// Parameters s, t in 0…1 of the closest points p1 + s d1 and p2 + t d2.
 pub(crate) fn segments(p1: Vec3, d1: Vec3, p2: Vec3, d2: Vec3) -> (f32, f32) {
     let wide = |v: Vec3| {
@@ -57,7 +61,7 @@ pub(super) struct Nearest {
     b: Vec3,
     /// Unit, of B's segment.
     axis: Vec3,
-    /// What the capsules are apart, m, where that is more than the margin.
+    /// What the capsules are apart at least, m, where that is more than the margin.
     apart: Option<f32>,
 }
 
@@ -112,7 +116,8 @@ fn nearest_in<L: Lanes>(pairs: &Pairs<L>) -> [L; 8] {
     let d = Wide3::new(b.x, b.y - a, b.z);
     let squared = d.dot(d);
     let reach = ra + rb + margin;
-    let apart = L::select(squared.gt(reach * reach), squared.sqrt() - ra - rb, L::splat(f32::NEG_INFINITY));
+    let gap = squared.sqrt() - ra - rb - L::splat(2.0 * PARALLEL_ERROR) * ha.min(hb);
+    let apart = L::select(squared.gt(reach * reach), gap, L::splat(f32::NEG_INFINITY));
     [a, b.x, b.y, b.z, axis.x, axis.y, axis.z, apart]
 }
 
