@@ -56,7 +56,7 @@ impl Share {
     }
 
     fn set(&self, first: usize, end: usize) {
-        self.0.store(first as u64 | (end as u64) << 32, Ordering::SeqCst);
+        self.0.store(first as u64 | (end as u64) << 32, Ordering::Release);
     }
 
     fn take_first(&self) -> Option<usize> {
