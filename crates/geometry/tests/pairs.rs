@@ -2,7 +2,7 @@
 
 mod common;
 use common::{Rng, gap};
-use jounce_geometry::{Hull, Manifold, ManifoldSet, PairCache, Shape, collide};
+use jounce_geometry::{Hull, Manifold, ManifoldSet, PairCache, Shape, TriMesh, TriMeshOptions, collide};
 use jounce_math::{Pose, Quat, Vec3, scalar::f32s};
 use std::sync::Arc;
 
@@ -186,5 +186,62 @@ fn features_stay_under_small_motion() {
         collide(&b, &b, &pose, MARGIN, &mut cache, &mut out);
         let ids: Vec<u32> = out.manifolds[0].points().iter().map(|p| p.feature).collect();
         assert_eq!(&ids, first.get_or_insert(ids.clone()), "step {k}");
+    }
+}
+
+/// A crate whose face lies across an edge that is longer than it is touches along the edge, however it leans: with one point, at the deeper end, it would
+/// rock from end to end for ever.
+#[test]
+fn a_face_across_a_long_edge_has_two_points() {
+    let block = |h: Vec3| {
+        let corner = |k: i32| {
+            let sign = |bit: i32| if k >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            Vec3::new(h.x * sign(0), h.y * sign(1), h.z * sign(2))
+        };
+        Shape::Hull(Arc::new(Hull::new(&(0..8).map(corner).collect::<Vec<_>>()).expect("a hull")))
+    };
+    let (long, small) = (Vec3::new(0.5, 0.5, 10.0), Vec3::new(0.2, 0.25, 0.2));
+    let roof = {
+        let points = [
+            [-0.5, 0.5, -9.0],
+            [-0.5, 0.5, 11.0],
+            [0.5, 0.5, 11.0],
+            [0.5, 0.5, -9.0],
+            [0.5, -0.5, -9.0],
+            [0.5, -0.5, 11.0],
+        ];
+        let triangles = [[0, 1, 2], [0, 2, 3], [3, 2, 5], [3, 5, 4]];
+        let points = points.map(Vec3::from);
+        Shape::Mesh(Arc::new(TriMesh::new(&points, &triangles, TriMeshOptions::default()).expect("a roof")))
+    };
+    let walls = [Shape::Box { half: long }, block(long), roof];
+    let crates = [Shape::Box { half: small }, block(small)];
+    let (along, across) =
+        (Vec3::new(1.0, 1.0, 0.0).normalize_or(Vec3::X), Vec3::new(1.0, -1.0, 0.0).normalize_or(Vec3::X));
+    for (wall, b) in walls.iter().flat_map(|w| crates.iter().map(move |c| (w, c))) {
+        for k in -12..=12 {
+            let lean = 0.003 * k as f32;
+            let flat = Quat::from_axis_angle(Vec3::Z, core::f32::consts::FRAC_PI_4);
+            let q = Quat::from_axis_angle(across, lean) * flat;
+            let p = Vec3::new(0.5, 0.5, 0.0) + q.rotate(Vec3::X) * (small.x - 0.002);
+            let mut found = ManifoldSet::new();
+            collide(wall, b, &Pose::new(p, q), MARGIN, &mut PairCache::default(), &mut found);
+            let what = format!("{wall:?}, {b:?}, {lean}");
+            let [m] = &found.manifolds[..] else { panic!("{what}: {:?}", found.manifolds) };
+            assert_eq!(m.count, 2, "{what}: {m:?}");
+            assert!(m.normal.dot(along) > 0.999, "{what}: {m:?}");
+            let mut ends = [m.points[0], m.points[1]];
+            ends.sort_by(|x, y| x.point.z.total_cmp(&y.point.z));
+            for (end, z) in ends.iter().zip([-small.z, small.z]) {
+                assert!((end.point.z - z).abs() < 0.01, "{what}: {m:?}");
+                // What the face leans over there.
+                let s = f32s::sin(lean) * z;
+                let expected = [s - 0.002, -s - 0.002];
+                assert!(
+                    expected.iter().any(|e| (e - end.separation).abs() < 5e-4),
+                    "{what}: {m:?}, {expected:?}"
+                );
+            }
+        }
     }
 }

@@ -9,7 +9,7 @@
 
 use super::wide::{PairRow, Pairs};
 use jounce_lanes::{Kernel, LANES_MAX, Lanes, Mask, Wide3, Width, dispatch};
-use jounce_math::{Pose, Vec3};
+use jounce_math::{Pose, Vec3, scalar::f32s};
 
 /// What decides about two boxes. Axes are numbered: 0 to 2 are faces of A, 3 to 5 faces of B, 6 + 3 i + j edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +23,11 @@ pub(super) struct BoxAxis {
 /// The pair of two boxes by their half extents. The last axis, if there is one, is favoured.
 pub(super) fn row([ha, hb]: [Vec3; 2], pose: &Pose, margin: f32, known: Option<u32>) -> PairRow {
     PairRow::new(pose, margin, ha, hb, known.map_or(-1.0, |k| k as f32))
+}
+
+/// By how much, m, an axis must be better than those before it.
+pub(super) fn tolerance(ha: Vec3, hb: Vec3) -> f32 {
+    f32s::min(1e-3 * f32s::min(ha.min_component(), hb.min_component()), 5e-4)
 }
 
 /// The axis of every pair.
@@ -95,7 +100,8 @@ fn best<L: Lanes>(pairs: &Pairs<L>) -> (L, L) {
         let c = axes[j];
         for i in 0..3 {
             let (i1, i2) = ((i + 1) % 3, (i + 2) % 3);
-            let reach = h[i1] * sizes[j][i2] + h[i2] * sizes[j][i1] + hb[j1] * sizes[j2][i] + hb[j2] * sizes[j1][i];
+            let reach =
+                h[i1] * sizes[j][i2] + h[i2] * sizes[j][i1] + hb[j1] * sizes[j2][i] + hb[j2] * sizes[j1][i];
             let s = (p[i2] * c[i1] - p[i1] * c[i2]).abs() - reach;
             // |L| ≤ 1, so a negative gap only gets deeper by the division; parallel edges have no axis.
             let l2 = c[i1] * c[i1] + c[i2] * c[i2];

@@ -5,6 +5,7 @@
 
 use super::box_axes::{self, BoxAxis};
 use super::capsule::segments;
+use super::general::lies_along;
 use super::one_point;
 use super::reduce::reduce;
 use super::wide::PairRow;
@@ -12,7 +13,7 @@ use crate::convex::core::{Core, sign};
 use crate::convex::gjk::{Difference, Gjk};
 use crate::{FACE_A, FACE_B, Manifold, ManifoldPoint, NO_SUB, PairCache};
 use jounce_lanes::Width;
-use jounce_math::{Mat3, Pose, Vec3};
+use jounce_math::{Mat3, Pose, Vec3, scalar::f32s};
 
 /// Longest polygon: four corners and one more for each of four cuts.
 const POLYGON_MAX: usize = 8;
@@ -44,7 +45,10 @@ pub(super) fn at_axis(row: &PairRow, axis: &BoxAxis, cache: &mut PairCache) -> O
     let r = pose.q.to_mat3();
     cache.kind = 1 + number;
     let m = match number.checked_sub(6) {
-        Some(k) => edge_contact(ha, hb, &r, pose.p, k as usize, axis.gap),
+        Some(k) => {
+            let m = edge_contact(ha, hb, &r, pose.p, k as usize, axis.gap);
+            m.map(|m| across(ha, hb, &r, pose.p, margin, &m, cache).unwrap_or(m))
+        }
         None => face_contact(ha, hb, &r, pose.p, number as usize, margin, cache),
     };
     m.or_else(|| corner_contact(ha, hb, pose, margin))
@@ -81,6 +85,34 @@ fn edge_contact(ha: Vec3, hb: Vec3, r: &Mat3, p: Vec3, k: usize, gap: f32) -> Op
         return None;
     }
     Some(one_point(n, (qa + qb) * 0.5, gap, id, 0))
+}
+
+/// A box across an edge that is longer than it is: the face lies along the axis of two edges all but exactly, and is worse beyond its own bounds alone. It
+/// touches along the edge; one point would jump from one end of it to the other.
+fn across(
+    ha: Vec3,
+    hb: Vec3,
+    r: &Mat3,
+    p: Vec3,
+    margin: f32,
+    edge: &Manifold,
+    cache: &mut PairCache,
+) -> Option<Manifold> {
+    let (n, deepest) = (edge.normal, edge.points[0].separation);
+    let tolerance = box_axes::tolerance(ha, hb);
+    for (first, n) in [(0, n), (3, r.transpose_mul(n))] {
+        let i = n.abs().max_axis();
+        if !lies_along(n[i].abs(), 2.0 * f32s::min(ha.min_component(), hb.min_component()), margin) {
+            continue;
+        }
+        let m = face_contact(ha, hb, r, p, first + i, margin, cache);
+        let separations =
+            |m: &Manifold| m.points().iter().fold(f32::INFINITY, |s, q| f32s::min(q.separation, s));
+        if let Some(m) = m.filter(|m| m.count > 1 && (separations(m) - deepest).abs() <= 2.0 * tolerance) {
+            return Some(m);
+        }
+    }
+    None
 }
 
 /// A corner of the clipped polygon: position in the reference face, height over it, and the lines that meet there

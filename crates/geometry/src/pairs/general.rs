@@ -34,6 +34,13 @@ pub(crate) struct Scratch {
 /// Above this many edge pairs EPA finds the axis faster than trying them all.
 const EDGE_PAIRS_MAX: usize = 500;
 
+/// Does a face whose normal has this cosine with the axis of two edges lie so nearly along it that another point, half the thinner shape's thickness away,
+/// would be within the margin?
+pub(super) fn lies_along(cosine: f32, thickness: f32, margin: f32) -> bool {
+    let away = 0.5 * thickness;
+    cosine > 0.0 && (1.0 - cosine * cosine) * away * away < margin * margin
+}
+
 pub(crate) const KIND_FACE_A: u32 = 1;
 pub(crate) const KIND_FACE_B: u32 = 2;
 const KIND_POINT: u32 = 3;
@@ -176,10 +183,8 @@ pub(crate) fn contact(
     let score = |f: &Option<(FlatFace, f32)>, kind| f.map_or(f32::NEG_INFINITY, |f| f.1) + bonus(kind);
     let (sa, sb) = (score(&face_a, KIND_FACE_A), score(&face_b, KIND_FACE_B));
     let b_first = sb > sa + 0.5 * tolerance;
-    let good = |m: &Manifold| {
-        let deepest = axis.gap - a.radius - b.radius;
-        m.points().iter().any(|p| p.separation <= deepest + 2.0 * tolerance)
-    };
+    let deepest = axis.gap - a.radius - b.radius;
+    let good = |m: &Manifold| m.points().iter().any(|p| p.separation <= deepest + 2.0 * tolerance);
     for from_b in [b_first, !b_first] {
         let m = match (from_b, face_a, face_b) {
             (false, Some((f, _)), _) if sa >= floor => face_contact(a, &f, b, pose, margin, cache, scratch)
@@ -197,6 +202,25 @@ pub(crate) fn contact(
         }
     }
     cache.kind = KIND_POINT;
+    // Where edges beat a face that lies along the axis all but exactly, the face may be worse beyond its own bounds alone: a box across an edge that is
+    // longer than it is. It touches along the edge; one point would jump from one end of it to the other.
+    let along = |cosine: f32| lies_along(cosine, f32s::min(a.thickness(), b.thickness()), margin);
+    for from_b in [b_first, !b_first] {
+        let m = match (from_b, face_a, face_b) {
+            (false, Some((f, _)), _) if along(f.normal.dot(n)) => {
+                face_contact(a, &f, b, pose, margin, cache, scratch)
+            }
+            (true, _, Some((f, _))) if along(f.normal.dot(local)) => {
+                let inverse = pose.inverse();
+                face_contact(b, &f, a, &inverse, margin, cache, scratch).map(|m| m.flipped(&inverse))
+            }
+            _ => None,
+        };
+        let no_worse = |m: &Manifold| m.points().iter().all(|p| p.separation >= deepest - 2.0 * tolerance);
+        if let Some(m) = m.filter(|m| m.count > 1 && good(m) && no_worse(m)) {
+            return Some(m);
+        }
+    }
     if face_a.is_none()
         && face_b.is_none()
         && let Some(m) = parallel_edges(a, b, pose, margin, axis, scratch)

@@ -23,10 +23,10 @@ mod sphere;
 mod surface;
 mod wide;
 
-pub use batch::Batch;
 use crate::convex::core::Core;
 use crate::limits::MANIFOLDS_PER_PAIR_MAX;
 use crate::{Manifold, ManifoldPoint, ManifoldSet, NO_SUB, PairCache, Shape};
+pub use batch::Batch;
 use feature::Convex;
 pub(crate) use general::Scratch;
 use half_space::Plane;
