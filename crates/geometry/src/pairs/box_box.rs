@@ -102,7 +102,7 @@ fn across(
     let tolerance = box_axes::tolerance(ha, hb);
     for (first, n) in [(0, n), (3, r.transpose_mul(n))] {
         let i = n.abs().max_axis();
-        if !lies_along(n[i].abs(), 2.0 * f32s::min(ha.min_component(), hb.min_component()), margin) {
+        if !lies_along(n[i].abs(), deepest, 2.0 * f32s::min(ha.min_component(), hb.min_component()), margin) {
             continue;
         }
         let m = face_contact(ha, hb, r, p, first + i, margin, cache);

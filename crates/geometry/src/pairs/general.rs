@@ -34,11 +34,11 @@ pub(crate) struct Scratch {
 /// Above this many edge pairs EPA finds the axis faster than trying them all.
 const EDGE_PAIRS_MAX: usize = 500;
 
-/// Does a face whose normal has this cosine with the axis of two edges lie so nearly along it that another point, half the thinner shape's thickness away,
-/// would be within the margin?
-pub(super) fn lies_along(cosine: f32, thickness: f32, margin: f32) -> bool {
+/// Does a face whose normal has this cosine with the axis of two edges, which are no deeper in one another than they may be apart, lie so nearly along it that
+/// another point, half the thinner shape's thickness away, would be within the margin?
+pub(super) fn lies_along(cosine: f32, gap: f32, thickness: f32, margin: f32) -> bool {
     let away = 0.5 * thickness;
-    cosine > 0.0 && (1.0 - cosine * cosine) * away * away < margin * margin
+    gap > -margin && cosine > 0.0 && (1.0 - cosine * cosine) * away * away < margin * margin
 }
 
 pub(crate) const KIND_FACE_A: u32 = 1;
@@ -204,7 +204,7 @@ pub(crate) fn contact(
     cache.kind = KIND_POINT;
     // Where edges beat a face that lies along the axis all but exactly, the face may be worse beyond its own bounds alone: a box across an edge that is
     // longer than it is. It touches along the edge; one point would jump from one end of it to the other.
-    let along = |cosine: f32| lies_along(cosine, f32s::min(a.thickness(), b.thickness()), margin);
+    let along = |cosine: f32| lies_along(cosine, deepest, f32s::min(a.thickness(), b.thickness()), margin);
     for from_b in [b_first, !b_first] {
         let m = match (from_b, face_a, face_b) {
             (false, Some((f, _)), _) if along(f.normal.dot(n)) => {

@@ -334,14 +334,15 @@ pub(super) fn keep(world: &World, c: &mut Contact) {
     note_depth(c);
 }
 
-/// Gaps of all points, where the bodies are now.
+/// Gaps of all points, where the bodies are now: (d + R_b r_b − R_a r_a)·n, with the normal taken to the bodies' axes once for all points.
 fn renew_gaps(world: &World, c: &mut Contact) {
     let (fa, fb) = (&world.frames[c.body_a as usize], &world.frames[c.body_b as usize]);
     let d = (fb.center - fa.center).as_vec3();
-    let (ra, rb) = (fa.rotation.to_mat3(), fb.rotation.to_mat3());
     for m in c.manifolds_mut() {
+        let (along, in_a, in_b) =
+            (d.dot(m.normal), fa.rotation.inverse_rotate(m.normal), fb.rotation.inverse_rotate(m.normal));
         for (p, at) in m.points.iter_mut().zip(&m.anchors).take(usize::from(m.count)) {
-            p.separation = (d + rb * at.on_b - ra * at.on_a).dot(m.normal);
+            p.separation = along - at.on_a.dot(in_a) + at.on_b.dot(in_b);
         }
     }
 }
