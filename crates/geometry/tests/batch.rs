@@ -26,9 +26,9 @@ fn pose(rng: &mut Rng, a: &Shape, b: &Shape) -> Pose {
         1 => Quat::from_axis_angle(rng.direction(), 1e-4),
         _ => rng.rotation(),
     };
-    let n = if rng.next() % 4 == 0 { Vec3::Y } else { rng.direction() };
+    let n = if rng.next().is_multiple_of(4) { Vec3::Y } else { rng.direction() };
     let reach = common::support(a, n).dot(n) - q.rotate(common::support(b, q.inverse_rotate(-n))).dot(n);
-    let part = if rng.next() % 50 == 0 { 0.0 } else { rng.range(0.2, 1.1) };
+    let part = if rng.next().is_multiple_of(50) { 0.0 } else { rng.range(0.2, 1.1) };
     Pose::new(n * (reach * part), q)
 }
 
