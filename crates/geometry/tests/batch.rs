@@ -85,7 +85,7 @@ fn together_is_as_one_by_one() {
     assert!(touching > 10_000 && apart > 3_000, "{touching} touching, {apart} apart");
 }
 
-/// A pair that is apart is as far apart as it says, or farther; balls, capsules and boxes say it whenever they are.
+/// A pair that is apart is as far apart as it says, or farther; balls and capsules say it whenever they are.
 #[test]
 fn gaps_are_no_larger_than_distances() {
     let mut rng = Rng(9);

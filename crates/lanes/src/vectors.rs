@@ -49,13 +49,13 @@ impl<L: Lanes> Wide3<L> {
     }
     /// The sum.
     #[inline(always)]
-    #[allow(clippy::should_implement_trait)]
+    #[expect(clippy::should_implement_trait, reason = "methods chain, and all of them are always inlined")]
     pub fn add(self, o: Self) -> Self {
         Self::new(self.x + o.x, self.y + o.y, self.z + o.z)
     }
     /// The difference.
     #[inline(always)]
-    #[allow(clippy::should_implement_trait)]
+    #[expect(clippy::should_implement_trait, reason = "methods chain, and all of them are always inlined")]
     pub fn sub(self, o: Self) -> Self {
         Self::new(self.x - o.x, self.y - o.y, self.z - o.z)
     }
@@ -70,6 +70,9 @@ impl<L: Lanes> Wide3<L> {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
     /// T v for a symmetric tensor stored xx, yy, zz, xy, xz, yz.
+    ///
+    /// # Panics
+    /// As [`load`](Self::load).
     #[inline(always)]
     pub fn times(self, t: &[[f32; LANES_MAX]; 6], at: usize) -> Self {
         self.turned(&six(
@@ -78,6 +81,9 @@ impl<L: Lanes> Wide3<L> {
         ))
     }
     /// The same for a tensor that may be `round`: xx times the unit matrix.
+    ///
+    /// # Panics
+    /// As [`load`](Self::load).
     #[inline(always)]
     pub fn through(self, t: &[[f32; LANES_MAX]; 6], round: bool, at: usize) -> Self {
         if round { self.scale(L::load(&t[0][at..])) } else { self.times(t, at) }

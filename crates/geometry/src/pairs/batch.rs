@@ -47,7 +47,9 @@ impl Batch {
     pub fn clear(&mut self) {
         self.pairs.clear();
         self.boxes.clear();
+        self.axes.clear();
         self.capsules.clear();
+        self.nearest.clear();
     }
 
     /// Adds a pair of shapes: pose of B in A's frame, margin in metres. Gives its number.
@@ -82,7 +84,7 @@ impl Batch {
     /// was pushed with, and so is what is known of it.
     ///
     /// # Panics
-    /// If there is no such pair.
+    /// If there is no such pair, or it was pushed after the last [`run`](Self::run) and is one of those that are tested together.
     pub fn collide(
         &self,
         k: usize,

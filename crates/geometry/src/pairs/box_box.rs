@@ -5,7 +5,7 @@
 
 use super::box_axes::{self, BoxAxis};
 use super::capsule::segments;
-use super::general::lies_along;
+use super::general::{holds_edges, lies_along};
 use super::one_point;
 use super::reduce::reduce;
 use super::wide::PairRow;
@@ -98,21 +98,18 @@ fn across(
     edge: &Manifold,
     cache: &mut PairCache,
 ) -> Option<Manifold> {
-    let (n, deepest) = (edge.normal, edge.points[0].separation);
-    let tolerance = box_axes::tolerance(ha, hb);
-    for (first, n) in [(0, n), (3, r.transpose_mul(n))] {
+    let (normal, deepest) = (edge.normal, edge.points[0].separation);
+    // Half the thickness, which is the least half extent, as for other shapes.
+    let away = 0.5 * f32s::min(ha.min_component(), hb.min_component());
+    [(0, normal), (3, r.transpose_mul(normal))].into_iter().find_map(|(first, n)| {
         let i = n.abs().max_axis();
-        if !lies_along(n[i].abs(), deepest, 2.0 * f32s::min(ha.min_component(), hb.min_component()), margin) {
-            continue;
+        if !lies_along(n[i].abs(), deepest, away, margin) {
+            return None;
         }
         let m = face_contact(ha, hb, r, p, first + i, margin, cache);
-        let separations =
-            |m: &Manifold| m.points().iter().fold(f32::INFINITY, |s, q| f32s::min(q.separation, s));
-        if let Some(m) = m.filter(|m| m.count > 1 && (separations(m) - deepest).abs() <= 2.0 * tolerance) {
-            return Some(m);
-        }
-    }
-    None
+        let tolerance = box_axes::tolerance(ha, hb);
+        m.filter(|m| m.normal.dot(normal) > 0.0 && holds_edges(m, deepest, tolerance))
+    })
 }
 
 /// A corner of the clipped polygon: position in the reference face, height over it, and the lines that meet there

@@ -117,7 +117,7 @@ fn nearest_in<L: Lanes>(pairs: &Pairs<L>) -> [L; 8] {
     let squared = d.dot(d);
     let reach = ra + rb + margin;
     let gap = squared.sqrt() - ra - rb - L::splat(2.0 * PARALLEL_ERROR) * ha.min(hb);
-    let apart = L::select(squared.gt(reach * reach), gap, L::splat(f32::NEG_INFINITY));
+    let apart = L::select(squared.gt(reach * reach), gap.max(L::zero()), L::splat(f32::NEG_INFINITY));
     [a, b.x, b.y, b.z, axis.x, axis.y, axis.z, apart]
 }
 
@@ -138,8 +138,8 @@ pub(super) fn at_points(row: &PairRow, near: &Nearest, cache: &mut PairCache) ->
     let (axis, a) = (near.axis, Vec3::new(0.0, near.a, 0.0));
     // What touches where axes cross has no direction: their common perpendicular parts them.
     let Some((n, distance)) = (near.b - a).try_normalize() else {
-        let n = Vec3::Y.cross(axis).normalize_or(Vec3::X);
-        return Some(one_point(n, a, -ra - rb, 0, 0));
+        let n = if ha + hb > 0.0 { Vec3::Y.cross(axis).normalize_or(Vec3::X) } else { Vec3::Y };
+        return Some(one_point(n, a + n * (0.5 * (ra - rb)), -ra - rb, 0, 0));
     };
     // Nearly parallel: two points at the ends of the common stretch.
     if axis.y.abs() > PARALLEL_COSINE && n.y.abs() < 0.02 {

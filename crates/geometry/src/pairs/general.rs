@@ -34,11 +34,19 @@ pub(crate) struct Scratch {
 /// Above this many edge pairs EPA finds the axis faster than trying them all.
 const EDGE_PAIRS_MAX: usize = 500;
 
-/// Does a face whose normal has this cosine with the axis of two edges, which are no deeper in one another than they may be apart, lie so nearly along it that
-/// another point, half the thinner shape's thickness away, would be within the margin?
-pub(super) fn lies_along(cosine: f32, gap: f32, thickness: f32, margin: f32) -> bool {
-    let away = 0.5 * thickness;
-    gap > -margin && cosine > 0.0 && (1.0 - cosine * cosine) * away * away < margin * margin
+/// Cosine of the most that a face may lean against the axis of two edges and still be asked for points along one of them (3.6°).
+const ALONG: f32 = 0.998;
+
+/// Does a face whose normal has this cosine with the axis of two edges lie along it? They are no deeper in one another than they may be apart, and
+/// another point, a part of the thinner shape's thickness `away`, would be within the margin.
+pub(super) fn lies_along(cosine: f32, gap: f32, away: f32, margin: f32) -> bool {
+    gap > -margin && cosine > ALONG && (1.0 - cosine * cosine) * away * away < margin * margin
+}
+
+/// Is the contact of such a face that of the edges, and more than their one point?
+pub(super) fn holds_edges(m: &Manifold, deepest: f32, tolerance: f32) -> bool {
+    let least = m.points().iter().fold(f32::INFINITY, |s, p| f32s::min(p.separation, s));
+    m.count > 1 && (least - deepest).abs() <= 2.0 * tolerance
 }
 
 pub(crate) const KIND_FACE_A: u32 = 1;
@@ -185,42 +193,37 @@ pub(crate) fn contact(
     let b_first = sb > sa + 0.5 * tolerance;
     let deepest = axis.gap - a.radius - b.radius;
     let good = |m: &Manifold| m.points().iter().any(|p| p.separation <= deepest + 2.0 * tolerance);
+    let mut on = |from_b: bool, f: &FlatFace| {
+        if !from_b {
+            return face_contact(a, f, b, pose, margin, cache, scratch);
+        }
+        let inverse = pose.inverse();
+        face_contact(b, f, a, &inverse, margin, cache, scratch).map(|m| m.flipped(&inverse))
+    };
     for from_b in [b_first, !b_first] {
-        let m = match (from_b, face_a, face_b) {
-            (false, Some((f, _)), _) if sa >= floor => face_contact(a, &f, b, pose, margin, cache, scratch)
-                .map(|m| (m, face_kind(KIND_FACE_A, f.index))),
-            (true, _, Some((f, _))) if sb >= floor => {
-                let inverse = pose.inverse();
-                face_contact(b, &f, a, &inverse, margin, cache, scratch)
-                    .map(|m| (m.flipped(&inverse), face_kind(KIND_FACE_B, f.index)))
-            }
-            _ => None,
-        };
-        if let Some((m, kind)) = m.filter(|(m, _)| good(m)) {
-            cache.kind = kind;
+        let (face, score, kind) =
+            if from_b { (&face_b, sb, KIND_FACE_B) } else { (&face_a, sa, KIND_FACE_A) };
+        if let Some((f, _)) = face.as_ref().filter(|_| score >= floor)
+            && let Some(m) = on(from_b, f).filter(good)
+        {
+            cache.kind = face_kind(kind, f.index);
+            return Some(m);
+        }
+    }
+    // Where the axis beats a face that lies along it all but exactly, the face may be worse beyond its own bounds alone: a box across an edge that is
+    // longer than it is. It touches along the edge; one point would jump from one end of it to the other.
+    let away = 0.5 * f32s::min(a.thickness(), b.thickness());
+    for from_b in [b_first, !b_first] {
+        let (face, n) = if from_b { (&face_b, local) } else { (&face_a, n) };
+        if let Some((f, _)) =
+            face.as_ref().filter(|(f, _)| lies_along(f.normal.dot(n), deepest, away, margin))
+            && let Some(m) = on(from_b, f).filter(|m| holds_edges(m, deepest, tolerance))
+        {
+            cache.kind = KIND_POINT;
             return Some(m);
         }
     }
     cache.kind = KIND_POINT;
-    // Where edges beat a face that lies along the axis all but exactly, the face may be worse beyond its own bounds alone: a box across an edge that is
-    // longer than it is. It touches along the edge; one point would jump from one end of it to the other.
-    let along = |cosine: f32| lies_along(cosine, deepest, f32s::min(a.thickness(), b.thickness()), margin);
-    for from_b in [b_first, !b_first] {
-        let m = match (from_b, face_a, face_b) {
-            (false, Some((f, _)), _) if along(f.normal.dot(n)) => {
-                face_contact(a, &f, b, pose, margin, cache, scratch)
-            }
-            (true, _, Some((f, _))) if along(f.normal.dot(local)) => {
-                let inverse = pose.inverse();
-                face_contact(b, &f, a, &inverse, margin, cache, scratch).map(|m| m.flipped(&inverse))
-            }
-            _ => None,
-        };
-        let no_worse = |m: &Manifold| m.points().iter().all(|p| p.separation >= deepest - 2.0 * tolerance);
-        if let Some(m) = m.filter(|m| m.count > 1 && good(m) && no_worse(m)) {
-            return Some(m);
-        }
-    }
     if face_a.is_none()
         && face_b.is_none()
         && let Some(m) = parallel_edges(a, b, pose, margin, axis, scratch)

@@ -1,6 +1,7 @@
 //! Contact manifolds, one file per family of pairs.
 //!
-//! A pair is tested in one order only (the higher [`rank`] is A); the other order is the same test, flipped.
+//! A pair is tested in one order only (the higher [`rank`] is A); the other order is the same test, flipped. Balls and capsules are tested in the order they
+//! come in.
 
 mod batch;
 mod box_axes;
